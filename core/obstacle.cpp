@@ -1,0 +1,77 @@
+#include "core/obstacle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wick {
+
+namespace {
+
+DistanceSample sample(const SphereShape& sphere, const Vec3& x) {
+  const Vec3 d = x - sphere.center;
+  const double length = d.norm();
+  // At the exact centre every direction is outward; up is as good as any.
+  return {length - sphere.radius, length > 0.0 ? Vec3(d / length) : Vec3(0, 0, 1)};
+}
+
+DistanceSample sample(const BoxShape& box, const Vec3& x) {
+  const Vec3 center = 0.5 * (box.lower + box.upper);
+  const Vec3 half = 0.5 * (box.upper - box.lower);
+  const Vec3 local = x - center;
+  const Vec3 excess = local.cwiseAbs() - half;
+  const Vec3 sign = local.unaryExpr([](double c) { return c < 0.0 ? -1.0 : 1.0; });
+  int axis = 0;
+  const double deepest = excess.maxCoeff(&axis);
+  if (deepest <= 0.0) return {deepest, Vec3(Vec3::Unit(axis) * sign[axis])};
+  const Vec3 outside = excess.cwiseMax(0.0);
+  const double distance = outside.norm();
+  return {distance, Vec3(outside.cwiseProduct(sign) / distance)};
+}
+
+DistanceSample sample(const PlaneShape& plane, const Vec3& x) {
+  return {(x - plane.point).dot(plane.normal), plane.normal};
+}
+
+DistanceSample sample(const SampledShape& grid, const Vec3& x) {
+  Vec3 t = (x - grid.origin) / grid.spacing;
+  const Vec3 top(grid.nodes[0] - 1, grid.nodes[1] - 1, grid.nodes[2] - 1);
+  const Vec3 inside = t.cwiseMax(0.0).cwiseMin(top);
+  const Vec3 excess = (t - inside) * grid.spacing;
+  int base[3];
+  double f[3];
+  for (int a = 0; a < 3; ++a) {
+    base[a] = std::clamp(static_cast<int>(inside[a]), 0, std::max(grid.nodes[a] - 2, 0));
+    f[a] = inside[a] - base[a];
+  }
+  const auto node = [&](int i, int j, int k) {
+    const std::size_t index = (base[0] + i) + std::size_t(grid.nodes[0]) * ((base[1] + j) + std::size_t(grid.nodes[1]) * (base[2] + k));
+    return static_cast<double>(grid.distance[index]);
+  };
+  double value = 0.0;
+  Vec3 gradient = Vec3::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    const int c[3] = {corner & 1, (corner >> 1) & 1, corner >> 2};
+    double weight[3], slope[3];
+    for (int a = 0; a < 3; ++a) {
+      weight[a] = c[a] ? f[a] : 1.0 - f[a];
+      slope[a] = c[a] ? 1.0 : -1.0;
+    }
+    const double v = node(c[0], c[1], c[2]);
+    value += weight[0] * weight[1] * weight[2] * v;
+    gradient += v * Vec3(slope[0] * weight[1] * weight[2], weight[0] * slope[1] * weight[2],
+                         weight[0] * weight[1] * slope[2]);
+  }
+  const double out = excess.norm();
+  if (out > 0.0) return {value + out, Vec3(excess / out)};
+  const double length = gradient.norm();
+  return {value, length > 0.0 ? Vec3(gradient / length) : Vec3(0, 0, 1)};
+}
+
+}  // namespace
+
+DistanceSample sample_distance(const Obstacle& obstacle, const Vec3& x) {
+  const Vec3 local = x - obstacle.displacement;
+  return std::visit([&](const auto& shape) { return sample(shape, local); }, obstacle.shape);
+}
+
+}  // namespace wick

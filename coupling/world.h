@@ -1,0 +1,69 @@
+#pragma once
+/// The world: every part that a scene names, stepped together. See World::step in world.cpp for the frame
+/// as the data flows.
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/ledger.h"
+#include "core/report.h"
+#include "core/state.h"
+#include "coupling/world_params.h"
+#include "fluid/smoke.h"
+#include "solid/shell.h"
+
+namespace wick::coupling {
+
+/// What one frame did, for progress, metrics and the exit summary.
+struct FrameReport {
+  int frame = 0;
+  double time = 0.0;       ///< [s] at the end of the frame
+  int substeps = 0;
+  StageSeconds seconds;                        ///< by stage; "smoke" is the whole fluid stage
+  std::map<std::string, SolveReport> solves;   ///< worst residual and summed iterations of the frame, by solver
+  int unconverged_solves = 0;
+};
+
+/// One sheet as an output writer sees it. Pointers are valid until the next step.
+struct ShellView {
+  std::string name;
+  const solid::ShellMesh* mesh;
+  const std::vector<Vec3>* x;
+  const std::vector<Vec3>* v;
+  /// Named per-vertex values: temperature [K], saturation, char (1 - mu), u, C; only those that the scene has.
+  std::vector<std::pair<std::string, std::vector<float>>> values;
+};
+
+class World {
+ public:
+  /// Builds only the parts that the scene names. Throws Refusal with the pointer of the parameter at fault.
+  explicit World(const WorldParams& params);
+  ~World();
+
+  /// Advances by one frame of `dt` seconds, in as many substeps as the fastest part needs.
+  FrameReport step(double dt);
+
+  [[nodiscard]] int frame() const;                 ///< 1 for the initial state
+  [[nodiscard]] double time() const;
+  [[nodiscard]] std::vector<std::string> models() const;   ///< shell, diffusion, smoke, burning, ...
+  [[nodiscard]] std::vector<ShellView> shells() const;
+  [[nodiscard]] const fluid::SmokeState* smoke() const;    ///< null without smoke
+  [[nodiscard]] const std::map<std::string, Ledger>& ledgers() const;
+  /// Per-shell scalars of metrics.h5 (/shell/<name>/<quantity>).
+  [[nodiscard]] std::map<std::string, std::map<std::string, double>> shell_metrics() const;
+
+  /// Walks everything that a restart needs. After a reader has walked it, call restored().
+  void visit(StateVisitor& visitor);
+  void restored();
+  [[nodiscard]] std::uint64_t state_hash();
+
+  /// Bytes that the world of these parameters will hold, before it is built.
+  static std::uint64_t estimate_bytes(const WorldParams& params);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace wick::coupling

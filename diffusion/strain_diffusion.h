@@ -1,0 +1,119 @@
+#pragma once
+/// The paper's solver: implicit diffusion on the deformed sheet, strain added on the front only, total
+/// rescaled to a target [Kim & Lee 2017, Eqs (1)-(8)], with every ambiguity as a named option.
+///
+///   (8a)  (M + dt alpha Ls + dt K_loss + dt K_supply) u* = M u + dt K_supply u_src + f      supply, diffusion
+///   (8b)  U* = sum M u*
+///   (8c)  v = u* + C on the front u_min <= u* <= u_max, v = u* elsewhere
+///   (8d-g) u = v * (sigma U* / sum M v), over the chosen scope, then the capacity
+///
+/// u is intensive (saturation, or temperature over ambient in units of the ignition range), M_i = amount that
+/// vertex i holds at u = 1 [kg or J].
+#include <memory>
+#include <vector>
+
+#include "core/report.h"
+#include "solid/shell_mesh.h"
+
+namespace wick {
+class ParameterVisitor;
+}
+
+namespace wick::diffusion {
+
+enum class Preset { burning, wetting, literal };
+enum class Model { isotropic, strain_constrained, strain_unconstrained };  // more follow: methods section 10
+enum class Operator { cotan, umbrella, graph };
+enum class Metric { rest, current };
+enum class Measure { invariant, orthotropic };
+enum class Reference { original, current };
+enum class Gain { density, literal };
+enum class Order { inside, after };           // C through the same solve, or after it (8c)
+enum class SigmaMode { rate, per_step, influx };
+enum class Total { area, plain };
+enum class Scope { global, component, front, local, local_front };
+
+struct DiffusionParams {
+  Preset preset = Preset::burning;
+  Model model = Model::strain_constrained;
+  Operator discretisation = Operator::cotan;
+  double umbrella_factor = 2.0;     ///< 1: literal Eq (3), whose mean diffusivity is alpha/2; 2: nominal alpha
+  Metric metric = Metric::rest;
+  double alpha = 1e-4;              ///< diffusivity [m2/s]
+  int sharpness = 0;                ///< m of the porous-medium flux div((m+1) u^m grad u); 0 linear, 2 sharp
+  int picard = 3;                   ///< sweeps per step when sharpness > 0
+  double tolerance = 1e-8;          ///< relative residual of the linear solves
+  // strain
+  Measure measure = Measure::invariant;
+  Reference reference = Reference::original;
+  bool tension_only = false;
+  double delta = 0.0;               ///< weakening: lambda = 1/(1+delta)
+  Gain gain_form = Gain::density;
+  double gain = 1.0;                ///< kappa: rate of u per unit c [1/s] (density), or per m2 and step (literal)
+  double bending_gain = 0.0;        ///< lambda_b of the optional bending term (2.6)
+  // front
+  double u_min = 0.05, u_max = 0.6;
+  double virgin = 0.3;              ///< the band takes only vertices whose fraction left (mu) exceeds this; 0: all
+  Order order = Order::inside;
+  // rescale
+  Scope scope = Scope::front;
+  double scope_radius = 0.05;       ///< R of local and local_front [m]
+  double sigma = 1.0;
+  SigmaMode sigma_mode = SigmaMode::rate;
+  double sigma_tau = 1.0;           ///< [s]
+  Total total = Total::area;
+};
+/// The forms and defaults of one preset (fronts.md section 6 in the design notes; README cites the numbers).
+DiffusionParams make_preset(Preset preset);
+/// Lists the preset first; choosing one resets every other field to that preset before they are read.
+void describe(ParameterVisitor& visitor, DiffusionParams& params);
+
+/// One scalar on one sheet, as the world hands it over. Spans may be empty where a default is named.
+struct DiffusionInput {
+  const solid::ShellMesh* mesh = nullptr;          ///< alive triangles
+  const std::vector<Vec3>* x = nullptr;            ///< current positions
+  const std::vector<double>* rest_scale = nullptr; ///< per triangle, for Reference::current; null: 1
+  const std::vector<double>* mass = nullptr;       ///< M_i; 0 for orphans
+  const std::vector<double>* loss = nullptr;       ///< implicit loss K_i [M units / s]; null: none
+  const std::vector<double>* supply_rate = nullptr;   ///< Robin supply k_i [M units / s]; null: none
+  const std::vector<double>* supply_value = nullptr;  ///< u_src,i towards which supply_rate pulls
+  const std::vector<double>* amount = nullptr;     ///< explicit f_i, amount added this step [M units]; null: none
+  const std::vector<double>* fraction_left = nullptr; ///< mu_i for `virgin`; null: 1
+  double capacity = 0.0;                           ///< cap on u; 0: none
+};
+
+struct DiffusionReport {
+  double before = 0.0;        ///< sum M u on entry
+  double supplied = 0.0;      ///< by supply and amount (either sign)
+  double lost = 0.0;          ///< by loss (>= 0 for u >= 0)
+  double sigma_source = 0.0;  ///< (sigma_eff - 1) U*, or its counterpart in other modes
+  double excess = 0.0;        ///< refused by the capacity: returned to the caller, no longer on the sheet
+  double after = 0.0;         ///< sum M u on return = before + supplied - lost + sigma_source - excess
+  double strain_added = 0.0;  ///< sum M C on the front before rescaling
+  double rescale = 1.0;       ///< r, the smallest factor used
+  std::size_t front_vertices = 0;
+  SolveReport solve;
+  double seconds_solve = 0.0, seconds_strain = 0.0;
+};
+
+/// Keeps matrix pattern, factors and scratch of one topology alive.
+class DiffusionSolver {
+ public:
+  explicit DiffusionSolver(const DiffusionParams& params);
+  ~DiffusionSolver();
+  DiffusionSolver(DiffusionSolver&&) noexcept;
+  DiffusionSolver& operator=(DiffusionSolver&&) noexcept;
+
+  /// Advances u (V) by dt.
+  DiffusionReport step(std::vector<double>& u, const DiffusionInput& input, double dt);
+
+  /// C_i of the last step before masking with the front, and S per triangle: for output and metrics.
+  [[nodiscard]] const std::vector<double>& strain_vertex() const;
+  [[nodiscard]] const std::vector<double>& strain_triangle() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace wick::diffusion
