@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
-
 namespace wick::coupling {
 
 namespace {
-
-constexpr std::size_t kGrain = 1024;
-
-double cell_volume(const Raster& raster) { return std::pow(raster.grid().h, 3); }
 
 /// First degree of freedom of each sheet.
 std::vector<std::int32_t> dof_offsets(const std::vector<SheetSurface>& sheets) {
@@ -93,75 +87,6 @@ Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<
       }
   }
   return sum;
-}
-
-SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept, const fluid::SmokeParams& params,
-                          fluid::SmokeState& gas) {
-  const fluid::Grid& grid = raster.grid();
-  const fluid::Walls& walls = raster.walls();
-  const auto is_swept = [&](std::int64_t c) { return std::binary_search(swept.begin(), swept.end(), c); };
-
-  // For each swept cell, look along the six grid directions for the first cell that was not swept: an odd number of
-  // closed faces on the way there means that it lies across the sheet, where the old content belongs.
-  struct Links {
-    std::vector<std::int64_t> across, same;
-  };
-  std::vector<Links> links(swept.size());
-  std::vector<std::int64_t> giver;                   // cells on the new side, with how much they share out
-  constexpr int kReach = 6;                          // layers; a sheet that crosses more in one step leaves the rest
-  for (std::size_t s = 0; s < swept.size(); ++s) {
-    const std::int64_t c = swept[s];
-    const Int3 at = {static_cast<int>(c % grid.nx), static_cast<int>(c / grid.nx % grid.ny),
-                     static_cast<int>(c / (std::int64_t(grid.nx) * grid.ny))};
-    for (int axis = 0; axis < 3; ++axis)
-      for (int step : {-1, 1}) {
-        Int3 q = at;
-        int closed = 0;
-        for (int reach = 0; reach < kReach; ++reach) {
-          Int3 face = q;
-          if (step > 0) ++face[axis];
-          closed += walls.closed[axis][grid.face(axis, face[0], face[1], face[2])];
-          q[axis] += step;
-          if (q[axis] < 0 || q[axis] >= grid.size(axis)) break;
-          const auto d = static_cast<std::int64_t>(grid.cell(q[0], q[1], q[2]));
-          if (walls.solid[d]) break;
-          if (is_swept(d)) continue;
-          (closed % 2 == 1 ? links[s].across : links[s].same).push_back(d);
-          break;
-        }
-      }
-  }
-
-  // A giver with receivers c splits its content among itself and them: weight 1 for itself, 1/(givers of c) for c.
-  std::vector<std::pair<std::int64_t, std::pair<std::size_t, double>>> shares;   // giver -> (swept index, weight)
-  for (std::size_t s = 0; s < swept.size(); ++s)
-    for (const std::int64_t d : links[s].same) shares.push_back({d, {s, 1.0 / static_cast<double>(links[s].same.size())}});
-  std::sort(shares.begin(), shares.end());
-
-  const double volume = cell_volume(raster);
-  SweptLoss lost;
-  const auto hand_over = [&](fluid::CellField& field, double unit, double* loss) {
-    std::vector<double> fresh(swept.size(), 0.0);
-    for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
-      const std::int64_t d = shares[begin].first;
-      double weights = 1.0;
-      for (; end < shares.size() && shares[end].first == d; ++end) weights += shares[end].second.second;
-      const double content = field[d];
-      for (std::size_t n = begin; n < end; ++n) fresh[shares[n].second.first] += content * shares[n].second.second / weights;
-      field[d] = static_cast<float>(content / weights);
-    }
-    for (std::size_t s = 0; s < swept.size(); ++s) {
-      const double old = field[swept[s]];
-      const auto& across = links[s].across;
-      for (const std::int64_t d : across) field[d] += static_cast<float>(old / static_cast<double>(across.size()));
-      if (across.empty() && loss) *loss += old * unit;
-      field[swept[s]] = static_cast<float>(fresh[s]);
-    }
-  };
-  hand_over(gas.density, volume, &lost.smoke);
-  hand_over(gas.temperature, params.air_density * params.air_heat_capacity * volume, &lost.heat);
-  hand_over(gas.flame, 0.0, nullptr);
-  return lost;
 }
 
 fluid::MovableWalls movable_walls(const Raster& raster, const std::vector<SheetSurface>& sheets,
