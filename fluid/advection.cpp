@@ -17,7 +17,9 @@ namespace {
 constexpr std::size_t row_grain = 16;
 
 /// Padding of the lattice of component `axis`: a layer of ghosts across it, none along it.
-Int3 lattice_pad(int axis) { return {axis != 0, axis != 1, axis != 2}; }
+Int3 lattice_pad(int axis) {
+  return {axis != 0, axis != 1, axis != 2};
+}
 
 }  // namespace
 
@@ -116,14 +118,18 @@ struct Transport::Kernel {
   }
   template <int A>
   [[nodiscard]] WallSample sample(const Padded& field, const WallPoint& at) const {
-    if constexpr (A < 3) return walls.sample_velocity(field, A, at);
-    else return walls.sample_scalar(field, at);
+    if constexpr (A < 3)
+      return walls.sample_velocity(field, A, at);
+    else
+      return walls.sample_scalar(field, at);
   }
   /// Values that nothing flows through or out of: inside obstacles, and on closed faces.
   template <int A>
   [[nodiscard]] bool held(int i, int j, int k) const {
-    if constexpr (A < 3) return walls.closed_face(A, {i, j, k});
-    else return !t.walls_->solid.empty() && t.walls_->solid[t.grid_.cell(i, j, k)];
+    if constexpr (A < 3)
+      return walls.closed_face(A, {i, j, k});
+    else
+      return !t.walls_->solid.empty() && t.walls_->solid[t.grid_.cell(i, j, k)];
   }
 
   /// First pass at one point near a wall. Where the path was cut or the stencil thinned, the range is narrowed
@@ -232,10 +238,12 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
         for (std::size_t f = 0; f < fields; ++f) {
           const std::size_t here = source[f].index(i, j, k);
           const F8 hat = load8(first[f].data.data() + here), q = load8(source[f].data.data() + here);
-          const F8 again = Corners(first[f].data.data(), first[f].stride(1), first[f].stride(2), at).interpolate(at);
+          const F8 again =
+              Corners(first[f].data.data(), first[f].stride(1), first[f].stride(2), at).interpolate(at);
           const F8 better = inside ? hat + 0.5F * (q - again) : hat;
           store_some(result[f] + row * size[0] + i,
-                     min8(max8(better, load8(low[f].data.data() + here)), load8(high[f].data.data() + here)), count);
+                     min8(max8(better, load8(low[f].data.data() + here)), load8(high[f].data.data() + here)),
+                     count);
         }
         for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
           const int lane = __builtin_ctz(near);
@@ -244,8 +252,7 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
             const std::size_t here = source[f].index(i + lane, j, k);
             const float hat = first[f].data[here];
             const float better = sound[f] ? hat + 0.5F * (source[f].data[here] - back[f]) : hat;
-            result[f][row * size[0] + i + lane] =
-                std::min(std::max(better, low[f].data[here]), high[f].data[here]);
+            result[f][row * size[0] + i + lane] = std::min(std::max(better, low[f].data[here]), high[f].data[here]);
           }
         }
       }

@@ -66,9 +66,9 @@ class Transport {
   Sides sides_;
   SideMotion motion_;
   const Walls* walls_ = nullptr;
-  double scale_ = 0.0;                  ///< cells a step per m/s
+  double scale_ = 0.0;  ///< cells a step per m/s
   std::array<Padded, 3> flow_;
-  std::vector<std::uint8_t> clearance_; ///< empty without walls
+  std::vector<std::uint8_t> clearance_;  ///< empty without walls
   std::vector<Padded> source_, first_, low_, high_;
   std::array<std::vector<float>, 3> courant_, flux_;
   CellField before_;

@@ -13,7 +13,7 @@ namespace wick::fluid {
 /// How coordinates of one axis are brought into the box.
 struct AxisRange {
   float n = 1.0F;
-  float low = 0.0F, high = 1.0F;            ///< of positions where ghosts may be sampled
+  float low = 0.0F, high = 1.0F;                ///< of positions where ghosts may be sampled
   float inside_low = 0.0F, inside_high = 1.0F;  ///< a path that ends outside these left the box
   bool periodic = false;
 
@@ -47,8 +47,8 @@ struct Corners {
 
   WICK_INLINE Corners(const float* data, std::ptrdiff_t sy, std::ptrdiff_t sz, const Brackets& at) {
     alignas(32) std::int32_t index[lanes];
-    const I8 base = at[0].index + at[1].index * static_cast<std::int32_t>(sy) +
-                    at[2].index * static_cast<std::int32_t>(sz);
+    const I8 base =
+        at[0].index + at[1].index * static_cast<std::int32_t>(sy) + at[2].index * static_cast<std::int32_t>(sz);
     std::memcpy(index, &base, sizeof base);
     load_pairs(data, index, q[0], q[1]);
     load_pairs(data + sy, index, q[2], q[3]);
@@ -76,7 +76,8 @@ struct FlowView {
   std::array<AxisRange, 3> range;
 
   [[nodiscard]] WICK_INLINE std::array<F8, 3> sample(const std::array<F8, 3>& x) const {
-    const Brackets face = {bracket_faces(range[0], x[0]), bracket_faces(range[1], x[1]), bracket_faces(range[2], x[2])};
+    const Brackets face = {bracket_faces(range[0], x[0]), bracket_faces(range[1], x[1]),
+                           bracket_faces(range[2], x[2])};
     const Brackets center = {bracket_centers(range[0], x[0]), bracket_centers(range[1], x[1]),
                              bracket_centers(range[2], x[2])};
     std::array<F8, 3> u;
@@ -140,7 +141,8 @@ WICK_INLINE Paths trace_paths(const FlowView& flow, int i, int j, int k, float s
 template <int A>
 WICK_INLINE Brackets bracket_lattice(const FlowView& flow, const std::array<F8, 3>& x) {
   Brackets at;
-  for (int a = 0; a < 3; ++a) at[a] = a == A ? bracket_faces(flow.range[a], x[a]) : bracket_centers(flow.range[a], x[a]);
+  for (int a = 0; a < 3; ++a)
+    at[a] = a == A ? bracket_faces(flow.range[a], x[a]) : bracket_centers(flow.range[a], x[a]);
   return at;
 }
 

@@ -26,7 +26,9 @@ constexpr double most_out = 0.5;
 constexpr int most_substeps = 256;
 
 /// Half the limited slope of the upwind cell.
-WICK_INLINE F8 half_slope(F8 a, F8 b) { return a * b > splat(0.0F) ? a * (b / (a + b)) : splat(0.0F); }
+WICK_INLINE F8 half_slope(F8 a, F8 b) {
+  return a * b > splat(0.0F) ? a * (b / (a + b)) : splat(0.0F);
+}
 
 /// Two ghosts a side, so that slopes exist in the first ghost.
 constexpr Int3 two_ghosts = {2, 2, 2};
@@ -73,22 +75,23 @@ TransportReport Transport::carry_conservative(std::span<CellField* const> fields
   join_periodic_faces(g, sides_, courant_);
 
   // Cut the step until no cell gives away more than half of what it holds.
-  const double outflow = parallel_max(std::size_t(g.ny) * g.nz, row_grain, 0.0, [&](std::size_t begin, std::size_t end) {
-    double most = 0.0;
-    for (std::size_t row = begin; row < end; ++row) {
-      const int j = int(row % g.ny), k = int(row / g.ny);
-      for (int i = 0; i < g.nx; ++i) {
-        const float out = std::max(courant_[0][g.face(0, i + 1, j, k)], 0.0F) +
-                          std::max(courant_[1][g.face(1, i, j + 1, k)], 0.0F) +
-                          std::max(courant_[2][g.face(2, i, j, k + 1)], 0.0F) -
-                          std::min(courant_[0][g.face(0, i, j, k)], 0.0F) -
-                          std::min(courant_[1][g.face(1, i, j, k)], 0.0F) -
-                          std::min(courant_[2][g.face(2, i, j, k)], 0.0F);
-        most = std::max(most, double(out));
-      }
-    }
-    return most;
-  });
+  const double outflow =
+      parallel_max(std::size_t(g.ny) * g.nz, row_grain, 0.0, [&](std::size_t begin, std::size_t end) {
+        double most = 0.0;
+        for (std::size_t row = begin; row < end; ++row) {
+          const int j = int(row % g.ny), k = int(row / g.ny);
+          for (int i = 0; i < g.nx; ++i) {
+            const float out = std::max(courant_[0][g.face(0, i + 1, j, k)], 0.0F) +
+                              std::max(courant_[1][g.face(1, i, j + 1, k)], 0.0F) +
+                              std::max(courant_[2][g.face(2, i, j, k + 1)], 0.0F) -
+                              std::min(courant_[0][g.face(0, i, j, k)], 0.0F) -
+                              std::min(courant_[1][g.face(1, i, j, k)], 0.0F) -
+                              std::min(courant_[2][g.face(2, i, j, k)], 0.0F);
+            most = std::max(most, double(out));
+          }
+        }
+        return most;
+      });
   TransportReport report;
   const double wanted = std::ceil(outflow / most_out);
   report.substeps = static_cast<int>(std::clamp(wanted, 1.0, double(most_substeps)));

@@ -53,7 +53,8 @@ void Padded::fill_ghosts(const GhostRules& rules) {
         const int low = pad[axis] - 1 - g, high = pad[axis] + n + g;
         const int w = g % n;
         fill_row(rules[2 * axis], base + low * s, base + pad[axis] * s, base + (pad[axis] + n - 1 - w) * s, length);
-        fill_row(rules[2 * axis + 1], base + high * s, base + (pad[axis] + n - 1) * s, base + (pad[axis] + w) * s, length);
+        fill_row(rules[2 * axis + 1], base + high * s, base + (pad[axis] + n - 1) * s, base + (pad[axis] + w) * s,
+                 length);
       }
     });
   }
@@ -62,9 +63,7 @@ void Padded::fill_ghosts(const GhostRules& rules) {
 GhostRules scalar_ghosts(const Sides& sides) {
   GhostRules rules;
   for (int s = 0; s < 6; ++s) {
-    rules[s].kind = sides[s] == Side::open       ? Ghost::zero
-                    : sides[s] == Side::periodic ? Ghost::wrap
-                                                 : Ghost::copy;
+    rules[s].kind = sides[s] == Side::open ? Ghost::zero : sides[s] == Side::periodic ? Ghost::wrap : Ghost::copy;
   }
   return rules;
 }

@@ -10,10 +10,10 @@ namespace wick::fluid {
 
 /// What a ghost value is made of, side by side.
 enum class Ghost {
-  copy,     ///< the nearest value inside: zero gradient
-  zero,     ///< ambient air
-  wrap,     ///< the value on the opposite side
-  mirror,   ///< 2 w - inside: linear to the value w on the side itself, half a spacing out
+  copy,    ///< the nearest value inside: zero gradient
+  zero,    ///< ambient air
+  wrap,    ///< the value on the opposite side
+  mirror,  ///< 2 w - inside: linear to the value w on the side itself, half a spacing out
 };
 struct GhostRule {
   Ghost kind = Ghost::copy;

@@ -17,28 +17,46 @@ using D4 = double __attribute__((vector_size(32)));
 
 #define WICK_INLINE inline __attribute__((always_inline))
 
-WICK_INLINE F8 splat(float v) { return F8{v, v, v, v, v, v, v, v}; }
-WICK_INLINE I8 splat(std::int32_t v) { return I8{v, v, v, v, v, v, v, v}; }
-WICK_INLINE F8 lane_index() { return F8{0, 1, 2, 3, 4, 5, 6, 7}; }
+WICK_INLINE F8 splat(float v) {
+  return F8{v, v, v, v, v, v, v, v};
+}
+WICK_INLINE I8 splat(std::int32_t v) {
+  return I8{v, v, v, v, v, v, v, v};
+}
+WICK_INLINE F8 lane_index() {
+  return F8{0, 1, 2, 3, 4, 5, 6, 7};
+}
 
 WICK_INLINE F8 load8(const float* p) {
   F8 v;
   std::memcpy(&v, p, sizeof v);
   return v;
 }
-WICK_INLINE void store8(float* p, F8 v) { std::memcpy(p, &v, sizeof v); }
+WICK_INLINE void store8(float* p, F8 v) {
+  std::memcpy(p, &v, sizeof v);
+}
 /// Stores the first `count` lanes (all of them if there are more).
 WICK_INLINE void store_some(float* p, F8 v, int count) {
   if (count >= lanes) return store8(p, v);
   std::memcpy(p, &v, sizeof(float) * static_cast<std::size_t>(count));
 }
 
-WICK_INLINE F8 min8(F8 a, F8 b) { return a < b ? a : b; }
-WICK_INLINE F8 max8(F8 a, F8 b) { return a > b ? a : b; }
-WICK_INLINE I8 min8(I8 a, I8 b) { return a < b ? a : b; }
-WICK_INLINE F8 abs8(F8 a) { return max8(a, -a); }
+WICK_INLINE F8 min8(F8 a, F8 b) {
+  return a < b ? a : b;
+}
+WICK_INLINE F8 max8(F8 a, F8 b) {
+  return a > b ? a : b;
+}
+WICK_INLINE I8 min8(I8 a, I8 b) {
+  return a < b ? a : b;
+}
+WICK_INLINE F8 abs8(F8 a) {
+  return max8(a, -a);
+}
 /// A value that is not a number becomes `low`, so that an index made of the result is always inside.
-WICK_INLINE F8 clamp8(F8 x, float low, float high) { return min8(max8(x, splat(low)), splat(high)); }
+WICK_INLINE F8 clamp8(F8 x, float low, float high) {
+  return min8(max8(x, splat(low)), splat(high));
+}
 
 /// Greatest whole number not above x, for |x| < 2³¹.
 WICK_INLINE F8 floor8(F8 x) {

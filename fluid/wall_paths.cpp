@@ -114,7 +114,7 @@ namespace {
 
 struct Block {
   Int3 toward{};
-  std::array<float, 3> weight{};   ///< of the far side, along each axis
+  std::array<float, 3> weight{};  ///< of the far side, along each axis
 };
 
 Block block_around(const WallPoint& at) {
@@ -158,8 +158,10 @@ WallSample WallPaths::sample_scalar(const Padded& field, const WallPoint& at) co
       if (far) c[a] += block.toward[a];
     }
     if (w == 0.0F) continue;
-    if (reached >> corner & 1U) mean.add(field.at(c[0], c[1], c[2]), w);
-    else mean.thinned = true;
+    if (reached >> corner & 1U)
+      mean.add(field.at(c[0], c[1], c[2]), w);
+    else
+      mean.thinned = true;
   }
   return mean.result();
 }
@@ -182,8 +184,7 @@ WallSample WallPaths::sample_velocity(const Padded& component, int axis, const W
   const int up_b = block.toward[b] > 0, up_c = block.toward[c] > 0;
   const bool b0 = passable(cells[0], b, up_b), c0 = passable(cells[0], c, up_c);
   const bool b1 = passable(cells[2], b, up_b), c1 = passable(cells[1], c, up_c);
-  const std::array<bool, 4> seen = {true, b0 || (c0 && b1 && c1), c0 || (b0 && c1 && b1),
-                                    (b0 && c1) || (c0 && b1)};
+  const std::array<bool, 4> seen = {true, b0 || (c0 && b1 && c1), c0 || (b0 && c1 && b1), (b0 && c1) || (c0 && b1)};
   Mean mean;
   for (int corner = 0; corner < 4; ++corner) {
     const float w = (corner & 1 ? block.weight[b] : 1.0F - block.weight[b]) *
@@ -254,7 +255,8 @@ void spread_rows(const Grid& g, bool periodic, int axis, int reach, const std::v
     for (int o = -reach; o <= reach; ++o) {
       const auto distance = static_cast<std::uint8_t>(std::abs(o));
       if (axis == 0) {
-        for (int i = std::max(0, -o); i < std::min(n, n - o); ++i) to[i] = std::min(to[i], std::max(distance, self[i + o]));
+        for (int i = std::max(0, -o); i < std::min(n, n - o); ++i)
+          to[i] = std::min(to[i], std::max(distance, self[i + o]));
         if (!periodic) continue;
         for (int i = 0; i < n; ++i) {
           if (i + o >= 0 && i + o < n) continue;

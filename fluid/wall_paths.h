@@ -16,13 +16,13 @@ namespace wick::fluid {
 struct WallPoint {
   std::array<float, 3> x{};
   Int3 cell{};
-  bool clipped = false;   ///< the path here was cut by a closed face or by a closed side
+  bool clipped = false;  ///< the path here was cut by a closed face or by a closed side
 };
 
 /// An interpolated value with the range of what it was made of.
 struct WallSample {
   float value = 0.0F, low = 0.0F, high = 0.0F;
-  bool thinned = false;   ///< a sample with weight could not be reached
+  bool thinned = false;  ///< a sample with weight could not be reached
 };
 
 class WallPaths {
