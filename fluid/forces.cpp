@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "fluid/smoke_state.h"
 
 namespace wick::fluid {
 
@@ -27,30 +28,24 @@ double shrink(CellField& field, double factor) {
   });
 }
 
-double cell_volume(const SmokeParams& p) {
-  const double h = p.width / p.resolution[0];
-  return h * h * h;
-}
-
 }  // namespace
 
 Faded fade(SmokeState& state, const SmokeParams& params, double dt) {
   const double volume = cell_volume(params);
   Faded faded;
   faded.smoke = volume * shrink(state.density, std::exp(-params.dissipation * dt));
-  faded.heat = volume * params.air_density * params.air_heat_capacity *
-               shrink(state.temperature, std::exp(-params.cooling * dt));
+  faded.heat = heat_capacity(params) * shrink(state.temperature, std::exp(-params.cooling * dt));
   shrink(state.flame, std::exp(-dt / params.flame_life));
   return faded;
 }
 
 void add_sources(SmokeState& state, const SmokeSources& sources, const SmokeParams& params) {
   const double volume = cell_volume(params);
-  const double heat_capacity = params.air_density * params.air_heat_capacity * volume;
+  const double capacity = heat_capacity(params);
   for (std::size_t s = 0; s < sources.cell.size(); ++s) {
     const auto c = static_cast<std::size_t>(sources.cell[s]);
     if (!sources.smoke.empty()) state.density[c] += static_cast<float>(sources.smoke[s] / volume);
-    if (!sources.heat.empty()) state.temperature[c] += static_cast<float>(sources.heat[s] / heat_capacity);
+    if (!sources.heat.empty()) state.temperature[c] += static_cast<float>(sources.heat[s] / capacity);
     if (!sources.flame.empty()) state.flame[c] = std::max(state.flame[c], static_cast<float>(sources.flame[s]));
   }
 }

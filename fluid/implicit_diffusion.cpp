@@ -54,16 +54,25 @@ void fill_ghosts(const Box& box, std::vector<double>& q) {
 struct Helmholtz {
   Box box;
   double c = 0.0;
-  std::vector<std::size_t> fixed;                   ///< values that are given and do not change
-  std::vector<std::array<std::size_t, 2>> blocked;  ///< neighbours with a wall between them
+  std::vector<std::size_t> fixed;  ///< values that are given and do not change
+  struct Links {
+    std::size_t point;
+    unsigned joined;  ///< bits in the order of the sides
+  };
+  std::vector<Links> beside_walls;
 
   /// result = sum of differences of q to its neighbours; ghosts of q are filled.
   void laplacian(std::vector<double>& q, std::vector<double>& result) const {
     fill_ghosts(box, q);
     add_laplacian_rows(q, result);
-    for (const auto& [p, r] : blocked) {
-      result[p] -= q[r] - q[p];
-      result[r] -= q[p] - q[r];
+    // Beside walls add up again what is joined: leaving it out afterwards would leave rounding behind.
+    for (const auto& [p, joined] : beside_walls) {
+      double sum = 0.0;
+      for (int link = 0; link < 6; ++link) {
+        const std::ptrdiff_t step = (link % 2 ? 1 : -1) * box.stride(link / 2);
+        if (joined >> link & 1) sum += q[p + step] - q[p];
+      }
+      result[p] = sum;
     }
     for (const std::size_t p : fixed) result[p] = 0.0;
   }
@@ -158,6 +167,28 @@ SolveReport diffuse_lattice(const Helmholtz& a, const DiffusionInput& input, flo
   return report;
 }
 
+/// Collects links that are cut and hands them over as the points they belong to.
+class Cuts {
+ public:
+  explicit Cuts(const Box& box) : box_(box), joined_(box.size(), 63) {}
+  /// Cuts the link between the values at `upper` and at `lower`, its neighbour below along `axis`.
+  void cut(const Int3& upper, const Int3& lower, int axis) {
+    joined_[box_.index(upper[0], upper[1], upper[2])] &= std::uint8_t(~(1U << (2 * axis)));
+    joined_[box_.index(lower[0], lower[1], lower[2])] &= std::uint8_t(~(2U << (2 * axis)));
+  }
+  [[nodiscard]] std::vector<Helmholtz::Links> points() const {
+    std::vector<Helmholtz::Links> list;
+    for (std::size_t p = 0; p < joined_.size(); ++p) {
+      if (joined_[p] != 63) list.push_back({p, joined_[p]});
+    }
+    return list;
+  }
+
+ private:
+  const Box& box_;
+  std::vector<std::uint8_t> joined_;
+};
+
 template <class Body>
 void for_each_point(const Int3& count, const Body& body) {
   for (int k = 0; k < count[2]; ++k) {
@@ -170,6 +201,7 @@ void for_each_point(const Int3& count, const Body& body) {
 /// Lists the pairs of cells between which a face is closed; sides of the box let nothing through anyway.
 void block_walls(const Grid& g, const Sides& sides, const Walls& walls, Helmholtz& op) {
   if (!walls.any) return;
+  Cuts cuts(op.box);
   for (int a = 0; a < 3; ++a) {
     for_each_point(op.box.count, [&](const Int3& c) {
       if (!walls.closed[a][g.face(a, c[0], c[1], c[2])]) return;
@@ -177,9 +209,10 @@ void block_walls(const Grid& g, const Sides& sides, const Walls& walls, Helmholt
       --other[a];
       if (other[a] < 0 && sides[2 * a] != Side::periodic) return;
       if (other[a] < 0) other[a] = g.size(a) - 1;
-      op.blocked.push_back({op.box.index(c[0], c[1], c[2]), op.box.index(other[0], other[1], other[2])});
+      cuts.cut(c, other, a);
     });
   }
+  op.beside_walls = cuts.points();
 }
 
 /// Lists what velocity component a does not exchange: given values on closed faces, and neighbouring faces
@@ -193,6 +226,7 @@ void block_velocity(const Grid& g, const Sides& sides, const Walls& walls, int a
     if (on_side || wall) op.fixed.push_back(op.box.index(f[0], f[1], f[2]));
   });
   if (!walls.any) return;
+  Cuts cuts(op.box);
   for (int b = 0; b < 3; ++b) {
     if (b == a) continue;
     for_each_point(op.box.count, [&](const Int3& f) {
@@ -208,10 +242,10 @@ void block_velocity(const Grid& g, const Sides& sides, const Walls& walls, int a
         if (cell[a] < 0 || cell[a] >= g.size(a)) continue;
         joined = joined || !walls.closed[b][g.face(b, cell[0], cell[1], cell[2])];
       }
-      if (!joined)
-        op.blocked.push_back({op.box.index(f[0], f[1], f[2]), op.box.index(other[0], other[1], other[2])});
+      if (!joined) cuts.cut(f, other, b);
     });
   }
+  op.beside_walls = cuts.points();
 }
 
 double diffusion_number(const Grid& grid, const DiffusionInput& input) {
