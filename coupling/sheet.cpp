@@ -37,7 +37,7 @@ solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, c
     case MeshKind::file: break;
   }
   require(!p.file.empty(), pointer + "/file", "missing (kind is \"file\"); name a PLY or OBJ beside the scene");
-  solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh(beside_scene(world, p.file)); });
+  solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
   for (int n = 0; n < p.subdivisions; ++n) {
     require(soup.triangles.size() < 50'000'000, pointer + "/subdivisions", "more than 200 million triangles; lower it");
     soup = solid::subdivide(soup);
@@ -206,7 +206,7 @@ std::vector<Obstacle> build_obstacles(const WorldParams& world) {
       obstacle.shape = PlaneShape{p.center, p.normal.normalized()};
     } else if (p.kind == ObstacleKind::mesh) {
       require(!p.file.empty(), pointer + "/file", "missing (kind is \"mesh\"); name a closed PLY or OBJ beside the scene");
-      solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh(beside_scene(world, p.file)); });
+      solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
       for (Vec3& x : soup.positions) x = p.scale * x + p.center;
       obstacle.shape = sample_mesh_distance(soup.positions, soup.triangles, p.spacing, pointer);
     }
