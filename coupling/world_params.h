@@ -38,7 +38,7 @@ enum class PinEdge { none, lower_x, upper_x, lower_y, upper_y };
 
 /// Holds vertices: those within `radius` of `point` (rest shape, placed), or listed, or on a rectangle's edge.
 struct PinParams {
-  std::vector<int> vertices;
+  std::vector<int> vertices = {};
   Vec3 point = Vec3::Zero();
   double radius = 0.0;                   ///< [m]; 0: `point` not used
   PinEdge edge = PinEdge::none;          ///< chooses -x, +x, -y, +y side of the material rectangle; 0: none

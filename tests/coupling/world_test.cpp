@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "core/require.h"
+#include "coupling/exchange.h"
 #include "coupling/rasterize.h"
 #include "tests/support/memory_state.h"
 #include "tests/support/worlds.h"
