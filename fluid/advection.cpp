@@ -85,23 +85,28 @@ struct Transport::Kernel {
   }
 
   /// Points of a row whose path or stencil could meet a closed inner face: those stretching further than the
-  /// clearance of their cell, less half a cell to its edge and one for the stencil.
+  /// clearance of their cell, less one cell for the stencil and half a cell (a whole one for points on faces) to
+  /// the edge.
   template <int A>
   [[nodiscard]] unsigned near_wall(F8 stretch, int i, int j, int k, int count) const {
     if (t.clearance_.empty()) return 0;
+    // Of a face, the cells on both sides count. Lanes past the ends of a row read its neighbours, which can
+    // only make a point careful without need.
+    const int n[3] = {t.grid_.nx, t.grid_.ny, t.grid_.nz};
+    const auto row = [&](int jj, int kk) {
+      return clearance_origin() +
+             (std::ptrdiff_t(std::min(jj, n[1] - 1)) + std::ptrdiff_t(n[1]) * std::min(kk, n[2] - 1)) * n[0] + i;
+    };
+    F8 clear = load_bytes(row(j, k));
+    if constexpr (A == 0) clear = min8(clear, load_bytes(row(j, k) - 1));
+    if constexpr (A == 1) clear = min8(clear, load_bytes(row(std::max(j - 1, 0), k)));
+    if constexpr (A == 2) clear = min8(clear, load_bytes(row(j, std::max(k - 1, 0))));
+    const I8 far = stretch + (A < 3 ? 2.0F : 1.5F) < clear;
     unsigned near = 0;
-    for (int lane = 0; lane < std::min(count, lanes); ++lane) {
-      const Int3 upper = {i + lane, j, k};
-      std::uint8_t clear = 255;
-      for (int side = 0; side < (A < 3 ? 2 : 1); ++side) {
-        Int3 c = upper;
-        if (A < 3) c[A % 3] = std::clamp(upper[A % 3] - side, 0, t.grid_.size(A % 3) - 1);
-        clear = std::min(clear, t.clearance_[t.grid_.cell(c[0], c[1], c[2])]);
-      }
-      if (!(stretch[lane] + 1.5F < static_cast<float>(clear))) near |= 1U << lane;
-    }
-    return near;
+    for (int lane = 0; lane < lanes; ++lane) near |= (far[lane] ? 0U : 1U) << lane;
+    return count < lanes ? near & ((1U << count) - 1U) : near;
   }
+  [[nodiscard]] const std::uint8_t* clearance_origin() const { return t.clearance_.data() + lanes; }
 
   /// The point (i,j,k) of lattice A; a face counts to the cell from which (or to which) the path goes.
   template <int A>
@@ -286,7 +291,9 @@ void Transport::set_flow(const FaceField& velocity, const Walls& walls, double d
                        }));
   }
   const double reach = std::ceil(std::min(fastest * scale_, 12.0) + 2.0);
-  clearance_ = wall_clearance(grid_, sides_, walls, static_cast<int>(reach));
+  const std::vector<std::uint8_t> clear = wall_clearance(grid_, sides_, walls, static_cast<int>(reach));
+  clearance_.assign(clear.size() + 3 * lanes, 0);
+  std::copy(clear.begin(), clear.end(), clearance_.begin() + lanes);
 }
 
 void Transport::reshape_work(std::size_t fields, int lattice) {

@@ -1,5 +1,6 @@
 #include "fluid/smoke.h"
 
+#include "core/parallel.h"
 #include "fluid/advection.h"
 #include "fluid/forces.h"
 #include "fluid/implicit_diffusion.h"
@@ -15,6 +16,7 @@ struct SmokeSolver::Impl {
   Confinement confinement;
   PressureSolver pressure;
   Padded lift_field;
+  std::vector<double> departed;
 
   explicit Impl(const SmokeParams& p)
       : params((check(p), p)),
@@ -29,6 +31,7 @@ struct SmokeSolver::Impl {
   void add_forces(SmokeState& state, const SmokeSources& sources, const Walls& walls, double dt);
   void diffuse_all(SmokeState& state, const Walls& walls, double dt, SmokeStepReport& report);
   void carry_scalars(SmokeState& state, SmokeStepReport& report);
+  SolveReport project(SmokeState& state, const ProjectionInput& input, bool half_done, std::vector<Vec3>* impulse);
 };
 
 SmokeSolver::SmokeSolver(const SmokeParams& params) : impl_(std::make_unique<Impl>(params)) {}
@@ -64,11 +67,27 @@ void SmokeSolver::Impl::carry_scalars(SmokeState& state, SmokeStepReport& report
   report.heat_advection = capacity * (sum(state.temperature) - heat + carried.out[1]);
 }
 
+SolveReport SmokeSolver::Impl::project(SmokeState& state, const ProjectionInput& input, bool half_done,
+                                       std::vector<Vec3>* impulse) {
+  if (!half_done) return pressure.project(state.velocity, state.pressure, input, impulse);
+  std::vector<double>& half = departed;
+  half = state.pressure;
+  for (double& p : half) p *= 0.5;
+  state.pressure = half;
+  const SolveReport report = pressure.project(state.velocity, state.pressure, input, impulse);
+  parallel_for(half.size(), 65536, [&](std::size_t c) { state.pressure[c] += half[c]; });
+  return report;
+}
+
 SmokeStepReport SmokeSolver::step(SmokeState& state, const SmokeSources& sources, const Walls& walls, double dt,
                                   const MovableWalls* movable, std::vector<Vec3>* impulse) {
   Impl& s = *impl_;
   SmokeStepReport report;
   report.active_cells = s.grid.cells();
+
+  // Beside walls all of the pressure acts on arrival: pressures from before a wall moved are not those of its
+  // present sides, and the impulse on the wall must be that of one solve.
+  const bool half_pressure = !walls.any;
 
   // Keep the flow of the last projection: it carries everything below.
   impose_walls(s.grid, s.params.sides, walls, state.velocity);
@@ -91,6 +110,10 @@ SmokeStepReport SmokeSolver::step(SmokeState& state, const SmokeSources& sources
   {
     // Advection of the forced velocity by the kept flow.
     StageTimer timer(report.seconds, "advect_velocity");
+    if (half_pressure) {
+      add_half_pressure(state.velocity, state.pressure, s.lift_field, s.grid, s.params.sides, s.params.air_density,
+                        dt);
+    }
     s.transport.carry(state.velocity, s.params.velocity_advection);
     impose_walls(s.grid, s.params.sides, walls, state.velocity);
   }
@@ -103,7 +126,7 @@ SmokeStepReport SmokeSolver::step(SmokeState& state, const SmokeSources& sources
     // Projection to t + dt.
     StageTimer timer(report.seconds, "pressure");
     const ProjectionInput input = {.density = s.params.air_density, .dt = dt, .walls = &walls, .movable = movable};
-    report.pressure = s.pressure.project(state.velocity, state.pressure, input, impulse);
+    report.pressure = s.project(state, input, half_pressure, impulse);
   }
   report.max_divergence = max_divergence(s.grid, state.velocity, &walls, nullptr);
   report.max_speed = fastest(state.velocity);

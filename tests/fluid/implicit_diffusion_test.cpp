@@ -38,7 +38,8 @@ TEST(ImplicitDiffusion, KeepsTheSumAndCrossesNoWall) {
   const Walls walls = bag(g, inside);
   CellField q = cell_field(g, [&](const Vec3& x) { return inside(x) ? 1.0 + x.x() : 0.0; });
   const double before = sum(q);
-  for (int step = 0; step < 10; ++step) diffuse(g, all_sides(Side::open), walls, {.coefficient = 0.1, .dt = 0.1}, q);
+  for (int step = 0; step < 10; ++step)
+    diffuse(g, all_sides(Side::open), walls, {.coefficient = 0.1, .dt = 0.1}, q);
   EXPECT_NEAR(sum(q), before, 1e-6 * before);
   for_each({g.nx, g.ny, g.nz}, [&](int i, int j, int k) {
     if (inside(g.cell_center(i, j, k))) return;
