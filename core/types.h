@@ -1,6 +1,7 @@
 #pragma once
 /// The words every room shares: vectors, small matrices, grid index triples. SI units throughout.
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <vector>

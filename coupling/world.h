@@ -23,6 +23,7 @@ struct FrameReport {
   StageSeconds seconds;                        ///< by stage; "smoke" is the whole fluid stage
   std::map<std::string, SolveReport> solves;   ///< worst residual and summed iterations of the frame, by solver
   int unconverged_solves = 0;
+  int lengthened_steps = 0;   ///< steps that /coupling/max_substeps made longer than asked
 };
 
 /// One sheet as an output writer sees it. Pointers are valid until the next step.

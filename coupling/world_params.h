@@ -9,18 +9,19 @@
 #include "coupling/burning.h"
 #include "diffusion/strain_diffusion.h"
 #include "fluid/smoke.h"
+#include "solid/primitives.h"
 #include "solid/shell.h"
 
 namespace wick::coupling {
 
 enum class MeshKind { rectangle, icosphere, cylinder, file };
-enum class Lattice { staggered, grid, union_jack };
+
 
 /// Where a sheet comes from and how it is placed: scaled, rotated about x, y, z in that order, then moved.
 struct MeshParams {
   MeshKind kind = MeshKind::rectangle;
   std::string file;                      ///< PLY or OBJ beside the scene
-  Lattice lattice = Lattice::staggered;
+  solid::Lattice lattice = solid::Lattice::staggered;
   Int2 vertices = {93, 107};             ///< rectangle: along x and y
   Vec2 size = Vec2(1.0, 1.0);            ///< rectangle: extents; cylinder: radius, height [m]
   double radius = 0.5;                   ///< icosphere [m]
@@ -33,12 +34,14 @@ struct MeshParams {
 };
 void describe(ParameterVisitor& visitor, MeshParams& params);
 
+enum class PinEdge { none, lower_x, upper_x, lower_y, upper_y };
+
 /// Holds vertices: those within `radius` of `point` (rest shape, placed), or listed, or on a rectangle's edge.
 struct PinParams {
   std::vector<int> vertices;
   Vec3 point = Vec3::Zero();
   double radius = 0.0;                   ///< [m]; 0: `point` not used
-  int edge = 0;                          ///< chooses -x, +x, -y, +y side of the material rectangle; 0: none
+  PinEdge edge = PinEdge::none;          ///< chooses -x, +x, -y, +y side of the material rectangle; 0: none
   Vec3 velocity = Vec3::Zero();          ///< of the pin while it moves [m/s]
   double stop_time = 0.0;                ///< the pin moves until then [s]
   double release_time = 1e30;            ///< the pin lets go then [s]
@@ -51,6 +54,7 @@ struct ShellSection {
   solid::ShellParams material;
   std::vector<PinParams> pins;
   Vec3 velocity = Vec3::Zero();          ///< at the start [m/s]
+  bool moves = true;                     ///< false: held in place, the shell solver is not built
 };
 void describe(ParameterVisitor& visitor, ShellSection& params);
 
@@ -91,12 +95,25 @@ struct WindParams {
 };
 void describe(ParameterVisitor& visitor, WindParams& params);
 
+/// How the gas and the sheets push each other.
+enum class CouplingScheme { simultaneous, partitioned };
+
+struct CouplingParams {
+  CouplingScheme scheme = CouplingScheme::simultaneous;
+  double max_step = 1.0 / 30.0;          ///< longest step of the world [s]; shorter ones follow from the flow
+  double sheet_cells = 2.0;              ///< cells of the gas grid that a sheet may cross in one step
+  int max_substeps = 256;                ///< a frame; beyond it steps get longer than asked and are counted
+};
+void describe(ParameterVisitor& visitor, CouplingParams& params);
+
 struct WorldParams {
+  CouplingParams coupling;
   Vec3 gravity = Vec3(0, 0, -9.81);      ///< [m/s2]
   std::vector<ShellSection> shells;
   std::vector<ObstacleParams> obstacles;
   std::optional<fluid::SmokeParams> smoke;
   std::optional<diffusion::DiffusionParams> diffusion;
+  SheetHeatParams heat;                  ///< of sheets that carry heat, i.e. with a diffusion section
   std::optional<BurningParams> burning;
   std::vector<HeatSourceParams> heat_sources;
   std::optional<WindParams> wind;

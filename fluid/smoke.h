@@ -7,6 +7,7 @@
 ///
 /// Order of one step, all at time t unless said: sources, forces, diffusion (implicit), advection of velocity
 /// and scalars by the projected velocity of the last step, projection to t + dt.
+#include <array>
 #include <memory>
 
 #include "core/report.h"
@@ -37,7 +38,9 @@ struct SmokeParams {
   double dissipation = 0.0;         ///< rate at which smoke density fades [1/s], booked as a flow out
   double cooling = 0.0;             ///< rate at which gas loses its excess heat [1/s], booked
   double flame_life = 0.15;         ///< time in which the reaction coordinate decays [s]
-  bool no_slip = false;             ///< tangential velocity of closed sides is 0 instead of free
+  bool no_slip = false;             ///< closed sides hold the air beside them instead of letting it slip
+  std::array<Vec3, 6> side_velocity = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),   ///< of closed sides that do not
+                                       Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< slip; only along them [m/s]
   bool active_window = true;
   PressureParams pressure;
 };
@@ -69,11 +72,15 @@ struct SmokeStepReport {
   double smoke_advection = 0.0;  ///< made (+) or lost (-) by advection inside the box [kg]; 0 when conservative
   double heat_out = 0.0;         ///< [J]
   double heat_advection = 0.0;   ///< [J]
-  double max_speed = 0.0;        ///< [m/s], after the step
+  double max_speed = 0.0;        ///< largest |component| of velocity, after the step [m/s]
   double max_divergence = 0.0;   ///< [1/s], after the projection
   std::size_t active_cells = 0;
+  int transport_substeps = 1;    ///< of conservative transport
   StageSeconds seconds;          ///< forces, advect_velocity, advect_scalars, diffuse, pressure
 };
+
+/// Refuses parameters that contradict each other.
+void check(const SmokeParams& params);
 
 Grid smoke_grid(const SmokeParams& params);
 SmokeState make_smoke_state(const SmokeParams& params);
@@ -83,6 +90,9 @@ double stable_dt(const SmokeState& state, const SmokeParams& params, const Vec3&
 
 double total_smoke(const SmokeState& state, const SmokeParams& params);  ///< [kg]
 double total_heat(const SmokeState& state, const SmokeParams& params);   ///< [J] over ambient
+
+/// Makes the velocity of closed sides and walls what it must be, and the two copies on periodic sides equal.
+void impose_walls(const Grid& grid, const Sides& sides, const Walls& walls, FaceField& velocity);
 
 /// Keeps the pressure solver and the work arrays alive between steps.
 class SmokeSolver {

@@ -17,22 +17,22 @@ class ParameterVisitor;
 namespace wick::solid {
 
 struct ShellParams {
-  double thickness = 2e-4;        ///< t [m]
-  double density = 700.0;         ///< [kg/m3]; areal mass is density * thickness
-  double young_warp = 2e8;        ///< Y along material x [Pa]
-  double young_weft = 2e8;        ///< Y along material y [Pa]
-  double poisson = 0.3;           ///< nu
-  double shear = 0.0;             ///< in-plane shear modulus [Pa]; 0: isotropic value
-  double bending = 0.0;           ///< flexural rigidity B per width [N m]; 0: Y t^3/(12 (1 - nu^2))
-  double damping = 1e-3;          ///< Rayleigh b [s]
-  double air_drag = 0.1;          ///< rate at which velocity relative to the wind decays [1/s]
-  int substeps = 20;              ///< per 1/60 s
-  bool weaken_with_delta = false; ///< multiply membrane stiffness by 1/(1+delta) (methods 2.9)
+  double thickness = 2e-4;         ///< t [m]
+  double density = 700.0;          ///< [kg/m3]; areal mass is density * thickness
+  double young_warp = 2e8;         ///< Y along material x [Pa]
+  double young_weft = 2e8;         ///< Y along material y [Pa]
+  double poisson = 0.3;            ///< nu
+  double shear = 0.0;              ///< in-plane shear modulus [Pa]; 0: isotropic value
+  double bending = 0.0;            ///< flexural rigidity B per width [N m]; 0: Y t^3/(12 (1 - nu^2))
+  double damping = 1e-3;           ///< Rayleigh b [s]
+  double air_drag = 0.1;           ///< rate at which velocity relative to the wind decays [1/s]
+  int substeps = 20;               ///< per 1/60 s
+  bool weaken_with_delta = false;  ///< multiply membrane stiffness by 1/(1+delta) (methods 2.9)
 };
 void describe(ParameterVisitor& visitor, ShellParams& params);
 
 struct ShellState {
-  std::vector<Vec3> x, v;   ///< [m], [m/s]
+  std::vector<Vec3> x, v;  ///< [m], [m/s]
 };
 void visit(StateVisitor& visitor, ShellState& state);
 
@@ -43,20 +43,22 @@ struct ShellInputs {
   std::vector<double> rest_scale;       ///< per triangle: rest lengths are multiplied by this
   std::vector<double> stiffness_scale;  ///< per triangle: membrane and bending stiffness are multiplied by this
   std::vector<double> rest_angle;       ///< per hinge [rad]; signed as the dihedral angle of solid/bending.h
+  double membrane_factor = 1.0;  ///< membrane stiffness alone is multiplied by this: 1/(1+delta) when weakened
 };
 ShellInputs make_shell_inputs(const ShellMesh& mesh, const ShellParams& params);
 
 /// Vertices that do not move freely. A pin follows `target` (vertex position at the end of the step).
 struct Pins {
   std::vector<std::int32_t> vertex;
-  std::vector<Vec3> target;   ///< [m]
+  std::vector<Vec3> target;  ///< [m]
 };
 
 struct ShellStepReport {
   int substeps = 0;
-  std::size_t contacts = 0;       ///< vertices touched by an obstacle in the last substep
-  double max_stretch = 0.0;       ///< largest edge strain (current/rest - 1) after the step
-  double max_speed = 0.0;         ///< [m/s]
+  std::size_t contacts = 0;  ///< vertices touched by an obstacle in the last substep
+  double max_stretch = 0.0;  ///< largest edge strain (current/rest - 1) after the step
+  double max_speed = 0.0;    ///< [m/s]
+  std::size_t limited = 0;   ///< times that a vertex was slowed to the largest speed, or was not finite
   double seconds = 0.0;
 };
 
@@ -69,7 +71,8 @@ class ShellSolver {
   ShellSolver& operator=(ShellSolver&&) noexcept;
 
   /// Advances the shell by dt. `force` is held over the step (V, [N]); `gravity` [m/s2]; `wind` velocity of
-  /// the air for the drag [m/s], one per vertex or empty for still air.
+  /// the air for the drag [m/s], one per vertex or empty for still air. Obstacles are given where they are at the
+  /// start of the step and move with their velocity through it.
   ShellStepReport step(ShellState& state, const ShellMesh& mesh, const ShellInputs& inputs, const Pins& pins,
                        const std::vector<Obstacle>& obstacles, const std::vector<Vec3>& force,
                        const std::vector<Vec3>& wind, const Vec3& gravity, double dt);
@@ -79,8 +82,13 @@ class ShellSolver {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Substeps that a step of dt takes: params.substeps per 1/60 s, rounded up, at least one.
+int substep_count(const ShellParams& params, double dt);
+
 /// Elastic energy of the shell: stretching and bending [J], for tests and metrics.
-struct ShellEnergy { double stretching = 0.0, bending = 0.0; };
+struct ShellEnergy {
+  double stretching = 0.0, bending = 0.0;
+};
 ShellEnergy elastic_energy(const ShellMesh& mesh, const ShellParams& params, const ShellInputs& inputs,
                            const std::vector<Vec3>& x);
 

@@ -1,0 +1,218 @@
+#include "coupling/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/noise.h"
+#include "core/require.h"
+#include "solid/mesh_file.h"
+#include "solid/primitives.h"
+
+namespace wick::coupling {
+
+namespace {
+
+/// Refusals of the mesh readers know no scene: they get the pointer of the parameter that named the file.
+template <class Make>
+auto with_pointer(const std::string& pointer, Make&& make) {
+  try {
+    return make();
+  } catch (const Refusal& refusal) {
+    throw Refusal(refusal.code(), refusal.pointer().empty() ? pointer : refusal.pointer(), refusal.what());
+  }
+}
+
+std::string beside_scene(const WorldParams& world, const std::string& file) {
+  return (std::filesystem::path(world.directory) / file).string();
+}
+
+solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, const WorldParams& world) {
+  switch (p.kind) {
+    case MeshKind::rectangle: return solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice);
+    case MeshKind::icosphere: return solid::icosphere(p.subdivisions, p.radius);
+    case MeshKind::cylinder:
+      require(p.vertices[0] >= 3, pointer + "/vertices", "a cylinder needs at least 3 vertices around");
+      return solid::cylinder(p.size[0], p.size[1], p.vertices[0], p.vertices[1]);
+    case MeshKind::file: break;
+  }
+  require(!p.file.empty(), pointer + "/file", "missing (kind is \"file\"); name a PLY or OBJ beside the scene");
+  solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
+  for (int n = 0; n < p.subdivisions; ++n) {
+    require(soup.triangles.size() < 50'000'000, pointer + "/subdivisions", "more than 200 million triangles; lower it");
+    soup = solid::subdivide(soup);
+  }
+  return soup;
+}
+
+Mat3 rotation(const Vec3& degrees) {
+  const Vec3 angle = degrees * (M_PI / 180.0);
+  return (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
+          Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
+      .toRotationMatrix();
+}
+
+/// Smooth noise in [-1, 1]: five plane waves with seeded directions, a few across the sheet's extent.
+double smooth_noise(const Vec3& x, double extent, int seed) {
+  double sum = 0.0;
+  for (std::uint64_t n = 0; n < 5; ++n) {
+    const auto s = static_cast<std::uint64_t>(seed);
+    const Vec3 direction(hash_signed(s, 4 * n), hash_signed(s, 4 * n + 1), hash_signed(s, 4 * n + 2));
+    const double waves = (1.0 + static_cast<double>(n)) * 2.0 * M_PI / extent;
+    sum += std::sin(waves * direction.dot(x) + 2.0 * M_PI * hash_unit(s, 4 * n + 3));
+  }
+  return sum / 5.0;
+}
+
+void add_wrinkles(Sheet& sheet) {
+  const MeshParams& p = sheet.params.mesh;
+  if (p.wrinkle <= 0.0) return;
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (const Vec3& x : sheet.mesh.rest) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double extent = std::max((high - low).norm(), 1e-12);
+  const std::vector<Vec3> normals = solid::vertex_normals(sheet.mesh, sheet.mesh.rest);
+  for (std::size_t i = 0; i < sheet.state.x.size(); ++i)
+    sheet.state.x[i] += p.wrinkle * smooth_noise(sheet.mesh.rest[i] - low, extent, p.seed) * normals[i];
+}
+
+bool on_edge(PinEdge edge, const Vec2& material, const Vec2& low, const Vec2& high) {
+  const Vec2 margin = 1e-9 * (high - low);
+  switch (edge) {
+    case PinEdge::none: return false;
+    case PinEdge::lower_x: return material.x() <= low.x() + margin.x();
+    case PinEdge::upper_x: return material.x() >= high.x() - margin.x();
+    case PinEdge::lower_y: return material.y() <= low.y() + margin.y();
+    case PinEdge::upper_y: return material.y() >= high.y() - margin.y();
+  }
+  return false;
+}
+
+PinSet build_pin(const Sheet& sheet, const PinParams& p, const std::string& pointer) {
+  const std::size_t count = sheet.mesh.vertex_count();
+  std::vector<std::uint8_t> held(count, 0);
+  for (const int vertex : p.vertices) {
+    require(static_cast<std::size_t>(vertex) < count, pointer + "/vertices",
+            "vertex " + std::to_string(vertex) + " does not exist (the mesh has " + std::to_string(count) + ")");
+    held[vertex] = 1;
+  }
+  if (p.edge != PinEdge::none) {
+    require(sheet.params.mesh.kind == MeshKind::rectangle, pointer + "/edge", "only a rectangle has named edges; use point and radius");
+    Vec2 low = Vec2::Constant(INFINITY), high = -low;
+    for (const Vec2& m : sheet.mesh.material) low = low.cwiseMin(m), high = high.cwiseMax(m);
+    for (std::size_t i = 0; i < count; ++i)
+      if (on_edge(p.edge, sheet.mesh.material[i], low, high)) held[i] = 1;
+  }
+  PinSet pin{.params = p, .vertices = {}, .start = {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (p.radius > 0.0 && (sheet.state.x[i] - p.point).norm() <= p.radius) held[i] = 1;
+    if (!held[i]) continue;
+    pin.vertices.push_back(static_cast<std::int32_t>(i));
+    pin.start.push_back(sheet.state.x[i]);
+  }
+  require(!pin.vertices.empty(), pointer, "holds no vertex; give vertices, an edge, or a point with a radius that reaches one");
+  return pin;
+}
+
+/// A triangle lives on with what burning has left of it; its inputs start virgin.
+void start_solvers(Sheet& sheet, const WorldParams& world) {
+  sheet.base = solid::make_shell_inputs(sheet.mesh, sheet.params.material);
+  sheet.inputs = sheet.base;
+  if (sheet.params.moves) sheet.shell = std::make_unique<solid::ShellSolver>(sheet.mesh, sheet.params.material);
+  if (!world.diffusion) return;
+  const double kelvin = world.heat.reference_temperature -
+                        (world.smoke ? world.smoke->ambient_temperature : world.heat.ambient_temperature);
+  sheet.heat_capacity.resize(sheet.mesh.vertex_count());
+  for (std::size_t i = 0; i < sheet.heat_capacity.size(); ++i)
+    sheet.heat_capacity[i] = sheet.areal_mass * sheet.mesh.vertex_area[i] * world.heat.heat_capacity * kelvin;
+  sheet.diffusion = std::make_unique<diffusion::DiffusionSolver>(*world.diffusion);
+}
+
+}  // namespace
+
+Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world) {
+  Sheet sheet;
+  sheet.name = params.name;
+  sheet.pointer = pointer;
+  sheet.params = params;
+  sheet.areal_mass = params.material.density * params.material.thickness;
+
+  solid::TriangleSoup soup = make_soup(params.mesh, pointer + "/mesh", world);
+  const Mat3 turn = rotation(params.mesh.rotation);
+  for (Vec3& x : soup.positions) x = turn * (params.mesh.scale * x) + params.mesh.position;
+  for (Vec2& m : soup.material) m *= params.mesh.scale;
+  sheet.original = with_pointer(pointer + "/mesh", [&] {
+    return solid::build_mesh(std::move(soup.positions), std::move(soup.material), std::move(soup.triangles));
+  });
+  sheet.alive.assign(sheet.original.triangle_count(), 1);
+  sheet.mesh = sheet.original;
+  sheet.state.x = sheet.mesh.rest;
+  sheet.state.v.assign(sheet.mesh.vertex_count(), params.velocity);
+  if (!params.moves) sheet.state.v.assign(sheet.mesh.vertex_count(), Vec3::Zero());
+  add_wrinkles(sheet);
+  for (std::size_t n = 0; n < params.pins.size(); ++n)
+    sheet.pins.push_back(build_pin(sheet, params.pins[n], pointer + "/pins/" + std::to_string(n)));
+
+  if (world.diffusion) sheet.theta.assign(sheet.mesh.vertex_count(), 0.0);
+  if (world.burning) sheet.burning = make_burning_state(sheet.mesh.vertex_count());
+  start_solvers(sheet, world);
+  return sheet;
+}
+
+void rebuild_topology(Sheet& sheet, const WorldParams& world) {
+  sheet.mesh = solid::without_triangles(sheet.original, sheet.alive);
+  start_solvers(sheet, world);
+  refresh_inputs(sheet, world);
+}
+
+solid::Pins pins_at(const Sheet& sheet, double t) {
+  solid::Pins pins;
+  for (const PinSet& pin : sheet.pins) {
+    if (t > pin.params.release_time) continue;
+    const Vec3 moved = pin.params.velocity * std::min(t, pin.params.stop_time);
+    for (std::size_t n = 0; n < pin.vertices.size(); ++n) {
+      pins.vertex.push_back(pin.vertices[n]);
+      pins.target.push_back(pin.start[n] + moved);
+    }
+  }
+  return pins;
+}
+
+void refresh_inputs(Sheet& sheet, const WorldParams& world) {
+  if (!world.burning) return;
+  reshape(sheet.inputs, sheet.base, sheet.mesh, sheet.burning, *world.burning, sheet.areal_mass);
+}
+
+void visit(StateVisitor& visitor, Sheet& sheet) {
+  visitor.array("alive", sheet.alive);
+  visit(visitor, sheet.state);
+  visitor.array("theta", sheet.theta);
+  visit(visitor, sheet.burning);
+  visitor.array("seen_x", sheet.seen_x);
+}
+
+std::vector<Obstacle> build_obstacles(const WorldParams& world) {
+  std::vector<Obstacle> obstacles;
+  // The grid marks obstacle cells with a byte.
+  require(world.obstacles.size() <= 254, "/obstacles", "more than 254; join some into one mesh");
+  for (std::size_t n = 0; n < world.obstacles.size(); ++n) {
+    const ObstacleParams& p = world.obstacles[n];
+    const std::string pointer = "/obstacles/" + std::to_string(n);
+    Obstacle obstacle{.name = p.name, .shape = SphereShape{p.center, p.radius}, .friction = p.friction, .velocity = p.velocity};
+    if (p.kind == ObstacleKind::box) {
+      require((p.upper - p.lower).minCoeff() > 0.0, pointer + "/upper", "must exceed lower in every direction");
+      obstacle.shape = BoxShape{p.lower, p.upper};
+    } else if (p.kind == ObstacleKind::plane) {
+      require(p.normal.norm() > 1e-9, pointer + "/normal", "has no length (a plane needs a direction)");
+      obstacle.shape = PlaneShape{p.center, p.normal.normalized()};
+    } else if (p.kind == ObstacleKind::mesh) {
+      require(!p.file.empty(), pointer + "/file", "missing (kind is \"mesh\"); name a closed PLY or OBJ beside the scene");
+      solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
+      for (Vec3& x : soup.positions) x = p.scale * x + p.center;
+      obstacle.shape = sample_mesh_distance(soup.positions, soup.triangles, p.spacing, pointer);
+    }
+    obstacles.push_back(std::move(obstacle));
+  }
+  return obstacles;
+}
+
+}  // namespace wick::coupling

@@ -1,0 +1,75 @@
+#pragma once
+/// One sheet of the world: its mesh as it is now, and everything that it carries.
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coupling/burning.h"
+#include "coupling/rasterize.h"
+#include "coupling/world_params.h"
+#include "diffusion/strain_diffusion.h"
+#include "solid/shell.h"
+
+namespace wick::coupling {
+
+/// Vertices held by one entry of `pins`, and where they were at the start.
+struct PinSet {
+  PinParams params;
+  std::vector<std::int32_t> vertices;
+  std::vector<Vec3> start;   ///< [m]
+};
+
+/// What the last step did to the sheet, for metrics.
+struct SheetReport {
+  solid::ShellStepReport shell;
+  diffusion::DiffusionReport diffusion;
+};
+
+struct Sheet {
+  std::string name;
+  std::string pointer;                  ///< of its section, for messages
+  ShellSection params;
+  double areal_mass = 0.0;              ///< rho t [kg/m2]
+
+  solid::ShellMesh original;            ///< as built
+  std::vector<std::uint8_t> alive;      ///< per original triangle
+  solid::ShellMesh mesh;                ///< the alive triangles, in the order of the original
+  solid::ShellState state;
+  solid::ShellInputs base, inputs;      ///< virgin, and as burning has left them
+  std::vector<PinSet> pins;
+
+  std::vector<double> theta;            ///< (T - T_amb)/(T_ref - T_amb), V; empty without diffusion
+  std::vector<double> heat_capacity;    ///< [J per unit theta], V
+  BurningState burning;                 ///< empty without burning
+  std::vector<Vec3> seen_x;             ///< positions when the gas last saw the sheet; empty: not yet
+
+  std::unique_ptr<solid::ShellSolver> shell;                 ///< null for a held sheet
+  std::unique_ptr<diffusion::DiffusionSolver> diffusion;     ///< null without diffusion
+  SheetReport report;
+
+  [[nodiscard]] SheetSurface surface() const { return {&mesh, &state.x, &state.v}; }
+};
+
+/// Builds the sheet of one section. Throws Refusal with the pointer of the parameter at fault.
+Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world);
+
+/// Rebuilds mesh, solvers and inputs of `sheet` after `sheet.alive` has changed (or has been read from a checkpoint).
+void rebuild_topology(Sheet& sheet, const WorldParams& world);
+
+/// Where the pins hold their vertices at time t; pins that have let go hold none.
+solid::Pins pins_at(const Sheet& sheet, double t);
+
+/// Masses, rest lengths, stiffness and curl as burning has left them.
+void refresh_inputs(Sheet& sheet, const WorldParams& world);
+
+void visit(StateVisitor& visitor, Sheet& sheet);
+
+/// The scene's rigid bodies, meshes sampled to signed distances.
+std::vector<Obstacle> build_obstacles(const WorldParams& world);
+
+/// Signed distance of a closed triangle mesh on a grid with `spacing`, a few cells wider than the mesh.
+SampledShape sample_mesh_distance(const std::vector<Vec3>& positions, const std::vector<Int3>& triangles,
+                                  double spacing, const std::string& pointer);
+
+}  // namespace wick::coupling

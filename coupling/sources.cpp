@@ -1,0 +1,233 @@
+#include "coupling/sources.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/noise.h"
+#include "core/require.h"
+
+namespace wick::coupling {
+
+namespace {
+
+Vec3 source_center(const HeatSourceParams& source, double time) { return source.center + time * source.velocity; }
+
+/// Share of [time, time + dt] in which the source is on.
+double on_share(const HeatSourceParams& source, double time, double dt) {
+  const double on = std::min(time + dt, source.stop) - std::max(time, source.start);
+  return std::clamp(on / dt, 0.0, 1.0);
+}
+
+/// Calls body(i, j, k) for the cells of the grid whose centre lies in the ball; for the nearest one when none does.
+template <class Body>
+void for_cells_in_ball(const fluid::Grid& grid, const Vec3& center, double radius, Body&& body) {
+  const Vec3 low = (center - Vec3::Constant(radius) - grid.origin) / grid.h;
+  const Vec3 high = (center + Vec3::Constant(radius) - grid.origin) / grid.h;
+  Int3 first, last;
+  for (int a = 0; a < 3; ++a) {
+    first[a] = static_cast<int>(std::floor(std::clamp(low[a], 0.0, double(grid.size(a)))));
+    last[a] = static_cast<int>(std::floor(std::clamp(high[a], -1.0, double(grid.size(a) - 1))));
+  }
+  bool any = false;
+  for (int k = first[2]; k <= last[2]; ++k)
+    for (int j = first[1]; j <= last[1]; ++j)
+      for (int i = first[0]; i <= last[0]; ++i)
+        if ((grid.cell_center(i, j, k) - center).norm() <= radius) {
+          any = true;
+          body(i, j, k);
+        }
+  const Vec3 q = (center - grid.origin) / grid.h;
+  const bool inside = (q.array() >= 0.0).all() && q.x() < grid.nx && q.y() < grid.ny && q.z() < grid.nz;
+  if (!any && inside) body(static_cast<int>(q.x()), static_cast<int>(q.y()), static_cast<int>(q.z()));
+}
+
+}  // namespace
+
+void check_world(const WorldParams& p) {
+  require(!p.burning || p.diffusion, "/burning", "needs a diffusion section (burning is driven by the heat that diffuses)");
+  require(!p.diffusion || !p.shells.empty(), "/diffusion", "needs at least one entry in shells (it works on sheets)");
+  require(!(p.wind && p.smoke), "/wind", "cannot be combined with smoke (the gas itself is the air); remove one of the two");
+  const double ambient = p.smoke ? p.smoke->ambient_temperature : p.heat.ambient_temperature;
+  require(p.heat.reference_temperature >= ambient + 1.0, "/heat/reference_temperature",
+          "must exceed the ambient temperature by at least 1 K (theta is measured between the two)");
+  require(!p.shells.empty() || p.smoke, "/shells", "missing, and no smoke either (the scene has nothing to simulate)");
+  std::set<std::string> names;
+  for (std::size_t n = 0; n < p.shells.size(); ++n) {
+    const std::string pointer = "/shells/" + std::to_string(n) + "/name";
+    const std::string& name = p.shells[n].name;
+    const bool plain = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-") == std::string::npos;
+    require(plain && name.front() != '.', pointer, "\"" + name + "\" cannot name a file; use letters, digits, _ . -");
+    require(names.insert(name).second, pointer, "\"" + name + "\" is taken by an earlier shell; names must differ");
+  }
+  if (p.smoke)
+    for (int a = 0; a < 3; ++a)
+      require((p.smoke->sides[2 * a] == fluid::Side::periodic) == (p.smoke->sides[2 * a + 1] == fluid::Side::periodic),
+              "/smoke/sides", "a periodic side needs a periodic opposite side");
+}
+
+std::uint64_t estimate_world_bytes(const WorldParams& p) {
+  // Bytes a cell: state 36, walls 28, advection and solver work arrays about 190 (measured on the plume at 128^3).
+  constexpr double kPerCell = 260.0, kPerVertex = 4000.0;
+  double bytes = 0.0;
+  if (p.smoke) bytes += kPerCell * p.smoke->resolution[0] * p.smoke->resolution[1] * p.smoke->resolution[2];
+  for (const ShellSection& shell : p.shells) {
+    double vertices = double(shell.mesh.vertices[0]) * shell.mesh.vertices[1];
+    if (shell.mesh.kind == MeshKind::icosphere) vertices = 10.0 * std::pow(4.0, shell.mesh.subdivisions) + 2.0;
+    if (shell.mesh.kind == MeshKind::file) vertices = 0.0;   // known once it is read, and refused there
+    bytes += kPerVertex * vertices;
+  }
+  return static_cast<std::uint64_t>(std::min(bytes, 1e18));
+}
+
+fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, const fluid::Walls& walls, double time,
+                                double dt) {
+  fluid::SmokeSources sources;
+  sources.gravity = p.gravity;
+  for (const HeatSourceParams& source : p.heat_sources) {
+    const double share = on_share(source, time, dt);
+    if (share == 0.0 || (source.gas_power == 0.0 && source.gas_smoke == 0.0)) continue;
+    const std::size_t first = sources.cell.size();
+    for_cells_in_ball(grid, source_center(source, time), source.radius, [&](int i, int j, int k) {
+      const std::size_t c = grid.cell(i, j, k);
+      if (walls.any && walls.solid[c]) return;
+      sources.cell.push_back(static_cast<std::int64_t>(c));
+    });
+    const auto cells = static_cast<double>(sources.cell.size() - first);
+    sources.smoke.resize(sources.cell.size(), source.gas_smoke * share * dt / cells);
+    sources.heat.resize(sources.cell.size(), source.gas_power * share * dt / cells);
+    sources.flame.resize(sources.cell.size(), source.gas_power > 0.0 ? 1.0 : 0.0);
+  }
+  return sources;
+}
+
+SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambient, double kelvin, double time, double dt) {
+  SheetSupply supply;
+  const std::size_t count = sheet.mesh.vertex_count();
+  supply.loss.resize(count);
+  for (std::size_t i = 0; i < count; ++i) supply.loss[i] = p.heat.loss * sheet.heat_capacity[i];
+  for (const HeatSourceParams& source : p.heat_sources) {
+    const double rate = source.rate * on_share(source, time, dt);
+    if (rate == 0.0) continue;
+    if (!supply.any) {
+      supply.rate.assign(count, 0.0);
+      supply.value.assign(count, 0.0);
+      supply.any = true;
+    }
+    const Vec3 center = source_center(source, time);
+    const double value = std::max(0.0, (source.temperature - ambient) / kelvin);
+    for (std::size_t i = 0; i < count; ++i) {
+      if ((sheet.state.x[i] - center).norm() > source.radius) continue;
+      // Where sources overlap, the sheet is drawn to the mean of their temperatures, weighted by rate.
+      const double add = rate * sheet.heat_capacity[i], sum = supply.rate[i] + add;
+      if (sum > 0.0) supply.value[i] = (supply.value[i] * supply.rate[i] + value * add) / sum;
+      supply.rate[i] = sum;
+    }
+  }
+  return supply;
+}
+
+std::vector<Vec3> wind_at(const WorldParams& p, const std::vector<Vec3>& x, double time) {
+  if (!p.wind) return {};
+  const WindParams& wind = *p.wind;
+  const double speed = wind.velocity.norm();
+  std::vector<Vec3> air(x.size(), wind.velocity);
+  if (wind.gust == 0.0 || speed == 0.0) return air;
+  // Four waves that travel with the wind, each twice as fast as the one before and half as strong.
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Vec3 gust = Vec3::Zero();
+    for (std::uint64_t n = 0; n < 4; ++n) {
+      const auto seed = static_cast<std::uint64_t>(wind.seed);
+      const double frequency = 2.0 * M_PI * std::exp2(double(n)) / wind.gust_period;
+      const Vec3 direction(hash_signed(seed, 5 * n), hash_signed(seed, 5 * n + 1), hash_signed(seed, 5 * n + 2));
+      const double along = wind.velocity.dot(x[i]) / (speed * speed);
+      const double phase = frequency * (time - along) + 2.0 * M_PI * hash_unit(seed, 5 * n + 3);
+      gust += std::exp2(-double(n)) * std::sin(phase) * direction;
+    }
+    air[i] += wind.gust * speed * gust;
+  }
+  return air;
+}
+
+std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t) {
+  std::vector<double> inverse;
+  for (const Sheet& sheet : sheets) {
+    const std::size_t first = inverse.size();
+    for (const double mass : sheet.inputs.mass) inverse.push_back(mass > 0.0 && sheet.params.moves ? 1.0 / mass : 0.0);
+    for (const std::int32_t vertex : pins_at(sheet, t).vertex) inverse[first + vertex] = 0.0;
+  }
+  return inverse;
+}
+
+Shed shed_triangles(Sheet& sheet, const std::vector<std::uint8_t>& keep) {
+  Shed shed;
+  std::size_t now = 0;   // index among the alive triangles
+  for (std::uint8_t& alive : sheet.alive) {
+    if (!alive) continue;
+    const std::size_t t = now++;
+    if (keep[t]) continue;
+    alive = 0;
+    ++shed.triangles;
+    const double third = sheet.mesh.rest_area[t] / 3.0;
+    for (const int vertex : sheet.mesh.triangles[t]) {
+      shed.mass += sheet.areal_mass * third * sheet.burning.fraction_left[vertex];
+      const double share = third / sheet.mesh.vertex_area[vertex];
+      shed.heat += share * sheet.heat_capacity[vertex] * sheet.theta[vertex];
+    }
+  }
+  return shed;
+}
+
+void note_solve(FrameReport& report, const std::string& solver, const SolveReport& solve) {
+  SolveReport& sum = report.solves[solver];
+  sum.iterations += solve.iterations;
+  sum.residual_before = std::max(sum.residual_before, solve.residual_before);
+  sum.residual_after = std::max(sum.residual_after, solve.residual_after);
+  sum.seconds += solve.seconds;
+  sum.converged = sum.converged && solve.converged;
+  if (!solve.converged) ++report.unconverged_solves;
+}
+
+void add_shown_values(ShellView& view, const Sheet& sheet, double ambient, double kelvin) {
+  const auto add = [&](const char* name, const std::vector<double>& values, double scale, double offset) {
+    std::vector<float> shown(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) shown[i] = static_cast<float>(offset + scale * values[i]);
+    view.values.emplace_back(name, std::move(shown));
+  };
+  if (!sheet.theta.empty()) {
+    add("temperature", sheet.theta, kelvin, ambient);
+    add("u", sheet.theta, 1.0, 0.0);
+    const std::vector<double>& strain = sheet.diffusion->strain_vertex();
+    if (strain.size() == sheet.theta.size()) add("C", strain, 1.0, 0.0);
+    else view.values.emplace_back("C", std::vector<float>(sheet.theta.size(), 0.0F));
+  }
+  if (!sheet.burning.fraction_left.empty()) add("char", sheet.burning.fraction_left, -1.0, 1.0);
+}
+
+std::map<std::string, double> sheet_metrics(const Sheet& sheet) {
+  std::map<std::string, double> m;
+  double area = 0.0, mass = 0.0, hottest = 0.0, charred = 0.0;
+  for (const double a : sheet.mesh.rest_area) area += a;
+  for (const double kg : sheet.inputs.mass) mass += kg;
+  m["triangles"] = static_cast<double>(sheet.mesh.triangle_count());
+  m["area"] = area;
+  m["mass"] = mass;
+  if (sheet.shell) {
+    m["max_stretch"] = sheet.report.shell.max_stretch;
+    m["max_speed"] = sheet.report.shell.max_speed;
+    m["contacts"] = static_cast<double>(sheet.report.shell.contacts);
+  }
+  if (!sheet.theta.empty()) {
+    for (const double theta : sheet.theta) hottest = std::max(hottest, theta);
+    m["theta_max"] = hottest;
+    m["front_vertices"] = static_cast<double>(sheet.report.diffusion.front_vertices);
+    m["strain_added"] = sheet.report.diffusion.strain_added;
+    m["rescale"] = sheet.report.diffusion.rescale;
+  }
+  for (std::size_t i = 0; i < sheet.burning.fraction_left.size(); ++i)
+    charred += (1.0 - sheet.burning.fraction_left[i]) * sheet.mesh.vertex_area[i];
+  if (!sheet.burning.fraction_left.empty()) m["char_mean"] = area > 0.0 ? charred / area : 1.0;
+  return m;
+}
+
+}  // namespace wick::coupling

@@ -1,0 +1,51 @@
+#pragma once
+/// The pieces that World strings together: what scene sources give, what sheets lose, what outputs show.
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "coupling/sheet.h"
+#include "coupling/world.h"
+
+namespace wick::coupling {
+
+/// Rules that join sections; throws Refusal with the pointer at fault.
+void check_world(const WorldParams& params);
+
+std::uint64_t estimate_world_bytes(const WorldParams& params);
+
+/// Smoke and heat that the heat sources give to the gas during [time, time + dt], spread evenly over the cells
+/// of each ball that are not inside an obstacle.
+fluid::SmokeSources gas_sources(const WorldParams& params, const fluid::Grid& grid, const fluid::Walls& walls, double time,
+                                double dt);
+
+/// Implicit supply and loss of one sheet, per vertex, in the units of DiffusionInput.
+struct SheetSupply {
+  std::vector<double> rate, value, loss;
+  bool any = false;   ///< a source reaches the sheet now
+};
+SheetSupply sheet_supply(const WorldParams& params, const Sheet& sheet, double ambient, double kelvin, double time,
+                         double dt);
+
+/// Velocity of the air around the given places without a gas grid (same count), empty in still air.
+std::vector<Vec3> wind_at(const WorldParams& params, const std::vector<Vec3>& x, double time);
+
+/// 1/m of every vertex of every sheet, 0 where a pin holds it at time t, or the sheet is held.
+std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t);
+
+/// Marks the triangles without keep[t] as gone in sheet.alive. The mesh itself is rebuilt by the caller.
+struct Shed {
+  std::size_t triangles = 0;
+  double mass = 0.0;   ///< that they took along [kg]
+  double heat = 0.0;   ///< [J]
+};
+Shed shed_triangles(Sheet& sheet, const std::vector<std::uint8_t>& keep);
+
+/// Adds a solve to the frame's record: iterations summed, worst residual kept.
+void note_solve(FrameReport& report, const std::string& solver, const SolveReport& solve);
+
+void add_shown_values(ShellView& view, const Sheet& sheet, double ambient, double kelvin);
+std::map<std::string, double> sheet_metrics(const Sheet& sheet);
+
+}  // namespace wick::coupling

@@ -1,0 +1,107 @@
+/// What happens to the content of cells that a sheet has passed.
+#include <algorithm>
+#include <cmath>
+
+#include "coupling/exchange.h"
+
+namespace wick::coupling {
+
+namespace {
+
+/// Layers of swept cells that are looked across; what a sheet sweeps beyond it in one step has no taker and is booked.
+constexpr int kReach = 6;
+
+/// Unswept cells along the six grid directions: across the sheet, where the old content belongs, and on
+/// the side where the cell is now.
+struct Neighbours {
+  std::vector<std::int64_t> across, same;
+};
+
+/// Looks from cell `at` along one direction for the first cell that was not swept. An odd number of closed faces on
+/// the way there means that it lies across the sheet.
+void look_along(const Raster& raster, const std::vector<std::int64_t>& swept, Int3 at, int axis, int step,
+                Neighbours& found) {
+  const fluid::Grid& grid = raster.grid();
+  int closed = 0;
+  for (int reach = 0; reach < kReach; ++reach) {
+    Int3 face = at;
+    if (step > 0) ++face[axis];
+    closed += raster.walls().closed[axis][grid.face(axis, face[0], face[1], face[2])];
+    at[axis] += step;
+    if (at[axis] < 0 || at[axis] >= grid.size(axis)) return;
+    const auto cell = static_cast<std::int64_t>(grid.cell(at[0], at[1], at[2]));
+    if (raster.walls().solid[cell]) return;
+    if (std::binary_search(swept.begin(), swept.end(), cell)) continue;
+    (closed % 2 == 1 ? found.across : found.same).push_back(cell);
+    return;
+  }
+}
+
+Neighbours neighbours_of(const Raster& raster, const std::vector<std::int64_t>& swept, std::int64_t cell) {
+  const fluid::Grid& grid = raster.grid();
+  const std::int64_t row = cell / grid.nx;
+  const Int3 at = {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny), static_cast<int>(row / grid.ny)};
+  Neighbours found;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const int step : {-1, 1}) look_along(raster, swept, at, axis, step, found);
+  return found;
+}
+
+/// One swept cell that a giver fills, and its weight in the giver's split.
+struct Share {
+  std::int64_t giver;
+  std::size_t receiver;   ///< index among the swept cells
+  double weight;
+};
+
+/// Who fills whom: a giver splits its content among itself (weight 1) and its receivers (1/(their givers)).
+std::vector<Share> plan_shares(const std::vector<Neighbours>& neighbours) {
+  std::vector<Share> shares;
+  for (std::size_t s = 0; s < neighbours.size(); ++s)
+    for (const std::int64_t giver : neighbours[s].same)
+      shares.push_back({giver, s, 1.0 / static_cast<double>(neighbours[s].same.size())});
+  std::sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) {
+    return a.giver != b.giver ? a.giver < b.giver : a.receiver < b.receiver;
+  });
+  return shares;
+}
+
+/// Empties the swept cells across the sheet and fills them from their own side. Returns what had no taker.
+double hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept,
+                 const std::vector<Neighbours>& neighbours, const std::vector<Share>& shares) {
+  std::vector<double> fresh(swept.size(), 0.0);
+  for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
+    float& content = field[shares[begin].giver];
+    double weights = 1.0;
+    for (; end < shares.size() && shares[end].giver == shares[begin].giver; ++end) weights += shares[end].weight;
+    for (std::size_t n = begin; n < end; ++n) fresh[shares[n].receiver] += content * shares[n].weight / weights;
+    content = static_cast<float>(content / weights);
+  }
+  double lost = 0.0;
+  for (std::size_t s = 0; s < swept.size(); ++s) {
+    const double old = field[swept[s]];
+    const auto& across = neighbours[s].across;
+    for (const std::int64_t cell : across) field[cell] += static_cast<float>(old / static_cast<double>(across.size()));
+    if (across.empty()) lost += old;
+    field[swept[s]] = static_cast<float>(fresh[s]);
+  }
+  return lost;
+}
+
+}  // namespace
+
+SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept, const fluid::SmokeParams& params,
+                          fluid::SmokeState& gas) {
+  if (swept.empty()) return {};
+  std::vector<Neighbours> neighbours;
+  for (const std::int64_t cell : swept) neighbours.push_back(neighbours_of(raster, swept, cell));
+  const std::vector<Share> shares = plan_shares(neighbours);
+  const double volume = std::pow(raster.grid().h, 3);
+  SweptLoss lost;
+  lost.smoke = volume * hand_over(gas.density, swept, neighbours, shares);
+  lost.heat = params.air_density * params.air_heat_capacity * volume * hand_over(gas.temperature, swept, neighbours, shares);
+  hand_over(gas.flame, swept, neighbours, shares);
+  return lost;
+}
+
+}  // namespace wick::coupling

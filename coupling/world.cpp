@@ -1,0 +1,365 @@
+#include "coupling/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/parallel.h"
+#include "core/require.h"
+#include "coupling/exchange.h"
+#include "coupling/rasterize.h"
+#include "coupling/sheet.h"
+#include "coupling/sources.h"
+
+namespace wick::coupling {
+
+struct World::Impl {
+  explicit Impl(const WorldParams& p);
+
+  // One substep, in the order of the data flow.
+  void substep(double dt, FrameReport& report);
+  void see_sheets();
+  void move_gas(double dt, FrameReport& report);
+  void exchange(double dt);
+  void diffuse(double dt, FrameReport& report);
+  void react(double dt);
+  void shed_burnt_triangles();
+  void move_sheets(double dt);
+  void audit();
+
+  double longest_step(double left) const;
+  std::vector<SheetSurface> surfaces() const;
+  void begin_ledgers();
+
+  WorldParams params;
+  double ambient = 293.15, kelvin = 1.0;   ///< T_amb, and T_ref - T_amb [K]
+
+  // State.
+  int frame = 1;
+  double time = 0.0;
+  std::vector<Sheet> sheets;
+  std::vector<Obstacle> obstacles;
+  std::optional<fluid::SmokeState> gas;
+  std::map<std::string, Ledger> ledgers;
+
+  // Kept alive between steps, rebuilt from params and state.
+  std::unique_ptr<fluid::SmokeSolver> gas_solver;
+  std::unique_ptr<Raster> raster;
+
+  // Handed from stage to stage within a substep.
+  std::vector<std::vector<VertexStencil>> stencils;    ///< per sheet
+  std::vector<std::vector<Vec3>> push;                 ///< per sheet: force of the gas [N]
+  std::vector<std::vector<double>> heat_in;            ///< per sheet: heat from the gas [J]
+  std::vector<std::vector<double>> hotter_side;        ///< per sheet
+};
+
+World::Impl::Impl(const WorldParams& p) : params(p) {
+  check_world(params);
+  if (params.smoke) ambient = params.smoke->ambient_temperature;
+  else ambient = params.heat.ambient_temperature;
+  kelvin = params.heat.reference_temperature - ambient;
+
+  for (std::size_t n = 0; n < params.shells.size(); ++n)
+    sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params));
+  obstacles = build_obstacles(params);
+  if (params.smoke) {
+    gas = fluid::make_smoke_state(*params.smoke);
+    gas_solver = std::make_unique<fluid::SmokeSolver>(*params.smoke);
+    raster = std::make_unique<Raster>(fluid::smoke_grid(*params.smoke), params.smoke->sides);
+  }
+  begin_ledgers();
+}
+
+void World::Impl::begin_ledgers() {
+  if (params.burning) ledgers["solid"];
+  if (params.smoke) ledgers["smoke"];
+  if (params.smoke || params.diffusion) ledgers["heat"];
+  audit();
+  for (auto& [quantity, ledger] : ledgers) ledger.open();
+}
+
+std::vector<SheetSurface> World::Impl::surfaces() const {
+  std::vector<SheetSurface> all;
+  for (const Sheet& sheet : sheets) all.push_back(sheet.surface());
+  return all;
+}
+
+/// Splits what is left of the frame into equal steps, none longer than the fastest part bears.
+double World::Impl::longest_step(double left) const {
+  double dt = params.coupling.max_step;
+  if (params.smoke) {
+    dt = std::min(dt, fluid::stable_dt(*gas, *params.smoke, params.gravity));
+    double speed = 0.0;
+    for (const Sheet& sheet : sheets)
+      for (const Vec3& v : sheet.state.v) speed = std::max(speed, v.squaredNorm());
+    const double h = params.smoke->width / params.smoke->resolution[0];
+    if (speed > 0.0) dt = std::min(dt, params.coupling.sheet_cells * h / std::sqrt(speed));
+  }
+  return left / std::max(1.0, std::ceil(left / dt * (1.0 - 1e-9)));
+}
+
+void World::Impl::substep(double dt, FrameReport& report) {
+  // The frame as the data flows; each line reads what the lines above have left.
+  { const StageTimer timer(report.seconds, "see"); see_sheets(); }
+  { const StageTimer timer(report.seconds, "smoke"); move_gas(dt, report); }
+  { const StageTimer timer(report.seconds, "exchange"); exchange(dt); }
+  { const StageTimer timer(report.seconds, "diffusion"); diffuse(dt, report); }
+  { const StageTimer timer(report.seconds, "burning"); react(dt); shed_burnt_triangles(); }
+  { const StageTimer timer(report.seconds, "shell"); move_sheets(dt); }
+  time += dt;
+  ++report.substeps;
+}
+
+/// Closes the faces that sheets and obstacles cross now, and hands over what swept cells hold.
+void World::Impl::see_sheets() {
+  if (!raster || (sheets.empty() && obstacles.empty())) return;
+  raster->see(surfaces(), obstacles);
+  stencils.assign(sheets.size(), {});
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    Sheet& sheet = sheets[s];
+    if (!sheet.seen_x.empty() && sheet.params.moves) {
+      const std::vector<std::int64_t> swept = swept_cells(raster->grid(), sheet.mesh, sheet.seen_x, sheet.state.x);
+      const SweptLoss lost = hand_over_swept(*raster, swept, *params.smoke, *gas);
+      ledgers["smoke"].book_flow("walled_in", -lost.smoke);
+      ledgers["heat"].book_flow("walled_in", -lost.heat);
+    }
+    sheet.seen_x = sheet.state.x;
+    if (params.diffusion) stencils[s] = vertex_stencils(*raster, static_cast<std::int32_t>(s), sheet.surface());
+  }
+}
+
+/// Steps the gas with the sheets as walls; leaves the force of the gas on every vertex in `push`.
+void World::Impl::move_gas(double dt, FrameReport& report) {
+  push.assign(sheets.size(), {});
+  if (!gas) return;
+  const fluid::SmokeSources sources = gas_sources(params, raster->grid(), raster->walls(), time, dt);
+  for (const double kg : sources.smoke) ledgers["smoke"].book_flow("sources", kg);
+  for (const double joule : sources.heat) ledgers["heat"].book_flow("sources", joule);
+
+  const bool any_sheet = !raster->hits().empty();
+  const bool together = any_sheet && params.coupling.scheme == CouplingScheme::simultaneous;
+  std::vector<Vec3> impulse;
+  std::optional<fluid::MovableWalls> movable;
+  if (together) movable = movable_walls(*raster, surfaces(), inverse_masses(sheets, time + dt));
+  const fluid::SmokeStepReport step =
+      gas_solver->step(*gas, sources, raster->walls(), dt, together ? &*movable : nullptr, together ? &impulse : nullptr);
+  if (any_sheet && !together) impulse = pressure_impulse(*raster, surfaces(), gas->pressure, dt);
+
+  std::size_t dof = 0;
+  for (std::size_t s = 0; s < sheets.size() && any_sheet; ++s) {
+    push[s].resize(sheets[s].mesh.vertex_count());
+    for (Vec3& force : push[s]) force = impulse[dof++] / dt;
+  }
+  ledgers["smoke"].book_flow("outflow", -step.smoke_out);
+  ledgers["smoke"].book_flow("advection", step.smoke_advection);
+  ledgers["heat"].book_flow("outflow", -step.heat_out);
+  ledgers["heat"].book_flow("advection", step.heat_advection);
+  note_solve(report, "pressure", step.pressure);
+  if (params.smoke->viscosity > 0.0 || params.smoke->diffusivity > 0.0) note_solve(report, "gas_diffusion", step.diffusion);
+  for (const auto& [stage, seconds] : step.seconds) report.seconds["smoke_" + stage] += seconds;
+}
+
+/// Heat crosses between sheets and gas: u_ext of the paper, taken from the cells that each face sees.
+void World::Impl::exchange(double dt) {
+  heat_in.assign(sheets.size(), {});
+  hotter_side.assign(sheets.size(), {});
+  if (!params.diffusion) return;
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    heat_in[s].assign(sheets[s].mesh.vertex_count(), 0.0);
+    hotter_side[s].assign(sheets[s].mesh.vertex_count(), 0.0);
+    if (gas)
+      exchange_heat(stencils[s], sheets[s].mesh.vertex_area, sheets[s].theta, sheets[s].heat_capacity, {ambient, kelvin},
+                    params.heat.convection, dt, *params.smoke, *gas, heat_in[s], hotter_side[s]);
+  }
+}
+
+/// The paper's Eqs (8a)-(8g) on every sheet.
+void World::Impl::diffuse(double dt, FrameReport& report) {
+  if (!params.diffusion) return;
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    Sheet& sheet = sheets[s];
+    const SheetSupply supply = sheet_supply(params, sheet, ambient, kelvin, time, dt);
+    diffusion::DiffusionInput input{.mesh = &sheet.mesh, .x = &sheet.state.x};
+    input.rest_scale = &sheet.inputs.rest_scale;
+    input.mass = &sheet.heat_capacity;
+    input.loss = &supply.loss;
+    input.supply_rate = supply.any ? &supply.rate : nullptr;
+    input.supply_value = supply.any ? &supply.value : nullptr;
+    input.amount = &heat_in[s];
+    if (params.burning) input.fraction_left = &sheet.burning.fraction_left;
+    const diffusion::DiffusionReport step = sheet.diffusion->step(sheet.theta, input, dt);
+    Ledger& heat = ledgers["heat"];
+    double from_gas = 0.0;
+    for (const double joule : heat_in[s]) from_gas += joule;
+    heat.book_flow("heat_sources", step.supplied - from_gas);
+    heat.book_flow("loss", -step.lost);
+    heat.book_flow("sigma", step.sigma_source);
+    heat.book_flow("excess", -step.excess);
+    note_solve(report, "diffusion", step.solve);
+    sheet.report.diffusion = step;
+  }
+}
+
+/// Hot places lose mass, which heats the sheet and becomes smoke and heat in the gas.
+void World::Impl::react(double dt) {
+  if (!params.burning) return;
+  const BurningParams& burning = *params.burning;
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    Sheet& sheet = sheets[s];
+    const std::vector<double> lost = lose_mass(sheet.burning, burning, sheet.theta, hotter_side[s], ambient,
+                                               ambient + kelvin, dt);
+    const std::size_t count = lost.size();
+    std::vector<double> smoke(count), heat(count), flame(count);
+    double burnt = 0.0, kept_heat = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double kg = lost[i] * sheet.areal_mass * sheet.mesh.vertex_area[i];
+      burnt += kg;
+      kept_heat += burning.sheet_heat * lost[i] * sheet.heat_capacity[i];
+      sheet.theta[i] += burning.sheet_heat * lost[i];
+      smoke[i] = burning.smoke_yield * kg;
+      heat[i] = burning.gas_heat * lost[i] * sheet.heat_capacity[i];
+      flame[i] = std::min(1.0, 2.0 * lost[i] / dt);   // full flame where half the mass would go in a second
+    }
+    ledgers["solid"].book_flow("smoke", -burning.smoke_yield * burnt);
+    ledgers["solid"].book_flow("gas", -(1.0 - burning.smoke_yield) * burnt);
+    ledgers["heat"].book_flow("combustion", kept_heat);
+    if (!gas) continue;
+    const Deposited deposited = deposit(stencils[s], smoke, heat, flame, *params.smoke, *gas);
+    ledgers["smoke"].book_flow("burning", deposited.smoke + deposited.escaped_smoke);
+    ledgers["smoke"].book_flow("escaped", -deposited.escaped_smoke);
+    ledgers["heat"].book_flow("combustion", deposited.heat + deposited.escaped_heat);
+    ledgers["heat"].book_flow("escaped", -deposited.escaped_heat);
+  }
+}
+
+/// Triangles that are ash fall away whole; their mass and heat leave the sheet.
+void World::Impl::shed_burnt_triangles() {
+  if (!params.burning) return;
+  for (Sheet& sheet : sheets) {
+    const std::vector<std::uint8_t> keep = unburnt_triangles(sheet.mesh, sheet.burning, *params.burning);
+    const Shed shed = shed_triangles(sheet, keep);
+    if (shed.triangles == 0) continue;
+    ledgers["solid"].book_flow("ash", -shed.mass);
+    rebuild_topology(sheet, params);
+    ledgers["heat"].book_flow("ash", -shed.heat);
+  }
+}
+
+/// Rest shape, weight and stiffness follow the burning; then XPBD small steps under gravity and the gas's push.
+void World::Impl::move_sheets(double dt) {
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    Sheet& sheet = sheets[s];
+    if (!sheet.shell) continue;
+    refresh_inputs(sheet, params);
+    const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);
+    sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh, sheet.inputs, pins_at(sheet, time + dt), obstacles,
+                                           push[s], air, params.gravity, dt);
+  }
+  for (Obstacle& obstacle : obstacles) obstacle.displacement += dt * obstacle.velocity;
+}
+
+/// States what every part holds now.
+void World::Impl::audit() {
+  double mass = 0.0, heat = 0.0;
+  for (const Sheet& sheet : sheets) {
+    for (std::size_t i = 0; i < sheet.theta.size(); ++i) heat += sheet.heat_capacity[i] * sheet.theta[i];
+    for (std::size_t i = 0; i < sheet.burning.fraction_left.size(); ++i)
+      mass += sheet.areal_mass * sheet.mesh.vertex_area[i] * sheet.burning.fraction_left[i];
+  }
+  if (ledgers.contains("solid")) ledgers["solid"].set_stock("sheet", mass);
+  if (params.diffusion) ledgers["heat"].set_stock("sheet", heat);
+  if (!gas) return;
+  ledgers["smoke"].set_stock("grid", fluid::total_smoke(*gas, *params.smoke));
+  ledgers["heat"].set_stock("gas", fluid::total_heat(*gas, *params.smoke));
+}
+
+World::World(const WorldParams& params) : impl_(std::make_unique<Impl>(params)) {}
+
+World::~World() = default;
+
+FrameReport World::step(double dt) {
+  require(dt > 0.0 && std::isfinite(dt), "/fps", "gives a frame without a length");
+  Impl& world = *impl_;
+  FrameReport report;
+  const double end = world.time + dt;
+  for (double left = dt; left > 0.0; left = end - world.time) {
+    double step = world.longest_step(left);
+    // Past the cap the rest of the frame is one equal share of what is left: counted, not hidden.
+    const int remaining = world.params.coupling.max_substeps - report.substeps;
+    if (left / step > std::max(remaining, 1)) {
+      step = left / std::max(remaining, 1);
+      ++report.lengthened_steps;
+    }
+    const bool last = step >= left * (1.0 - 1e-12);
+    world.substep(step, report);
+    if (last) world.time = end;
+  }
+  { const StageTimer timer(report.seconds, "audit"); world.audit(); }
+  report.frame = ++world.frame;
+  report.time = world.time;
+  return report;
+}
+
+int World::frame() const { return impl_->frame; }
+
+double World::time() const { return impl_->time; }
+
+const fluid::SmokeState* World::smoke() const { return impl_->gas ? &*impl_->gas : nullptr; }
+
+const std::map<std::string, Ledger>& World::ledgers() const { return impl_->ledgers; }
+
+std::vector<std::string> World::models() const {
+  std::vector<std::string> names;
+  const WorldParams& p = impl_->params;
+  const auto moving = [](const Sheet& sheet) { return sheet.shell != nullptr; };
+  if (std::any_of(impl_->sheets.begin(), impl_->sheets.end(), moving)) names.emplace_back("shell");
+  if (p.diffusion) names.emplace_back("diffusion");
+  if (p.smoke) names.emplace_back("smoke");
+  if (p.burning) names.emplace_back("burning");
+  return names;
+}
+
+std::vector<ShellView> World::shells() const {
+  std::vector<ShellView> views;
+  for (const Sheet& sheet : impl_->sheets) {
+    ShellView view{sheet.name, &sheet.mesh, &sheet.state.x, &sheet.state.v, {}};
+    add_shown_values(view, sheet, impl_->ambient, impl_->kelvin);
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+std::map<std::string, std::map<std::string, double>> World::shell_metrics() const {
+  std::map<std::string, std::map<std::string, double>> metrics;
+  for (const Sheet& sheet : impl_->sheets) metrics[sheet.name] = sheet_metrics(sheet);
+  return metrics;
+}
+
+void World::visit(StateVisitor& visitor) {
+  Impl& world = *impl_;
+  std::int32_t frame = world.frame;
+  visitor.value("frame", frame);
+  world.frame = frame;
+  visitor.value("time", world.time);
+  for (std::size_t s = 0; s < world.sheets.size(); ++s)
+    visitor.group("sheet_" + std::to_string(s), [&] { coupling::visit(visitor, world.sheets[s]); });
+  for (std::size_t n = 0; n < world.obstacles.size(); ++n)
+    visitor.group("obstacle_" + std::to_string(n), [&] { visitor.value("displacement", world.obstacles[n].displacement); });
+  if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
+  for (auto& [quantity, ledger] : world.ledgers)
+    visitor.group("ledger_" + quantity, [&] { ledger.visit(visitor); });
+}
+
+void World::restored() {
+  for (Sheet& sheet : impl_->sheets) rebuild_topology(sheet, impl_->params);
+}
+
+std::uint64_t World::state_hash() {
+  StateHash hash;
+  visit(hash);
+  return hash.digest();
+}
+
+std::uint64_t World::estimate_bytes(const WorldParams& params) { return estimate_world_bytes(params); }
+
+}  // namespace wick::coupling

@@ -1,0 +1,372 @@
+#include "fluid/advection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+#include "core/require.h"
+#include "fluid/advection_kernel.h"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace wick::fluid {
+
+namespace {
+
+constexpr std::size_t row_grain = 16;
+
+/// Padding of the lattice of component `axis`: a layer of ghosts across it, none along it.
+Int3 lattice_pad(int axis) {
+  return {axis != 0, axis != 1, axis != 2};
+}
+
+}  // namespace
+
+GhostRules velocity_ghosts(const Sides& sides, int axis, const SideMotion& motion, double factor) {
+  GhostRules rules;
+  for (int s = 0; s < 6; ++s) {
+    if (sides[s] == Side::periodic) rules[s].kind = Ghost::wrap;
+    if (sides[s] == Side::closed && motion.no_slip && s / 2 != axis) {
+      rules[s] = {Ghost::mirror, static_cast<float>(factor * motion.velocity[s][axis])};
+    }
+  }
+  return rules;
+}
+
+void join_periodic_faces(const Grid& grid, const Sides& sides, FaceField& velocity) {
+  for (int a = 0; a < 3; ++a) {
+    if (sides[2 * a] != Side::periodic) continue;
+    Int3 size = lattice_size(grid, a);
+    size[a] = 1;
+    const Int3 last = {a == 0 ? grid.nx : 0, a == 1 ? grid.ny : 0, a == 2 ? grid.nz : 0};
+    for (int k = 0; k < size[2]; ++k) {
+      for (int j = 0; j < size[1]; ++j) {
+        for (int i = 0; i < size[0]; ++i) {
+          velocity[a][grid.face(a, i + last[0], j + last[1], k + last[2])] = velocity[a][grid.face(a, i, j, k)];
+        }
+      }
+    }
+  }
+}
+
+/// One pass over a lattice: everything that the row loops share.
+struct Transport::Kernel {
+  const Transport& t;
+  FlowView flow;
+  WallPaths walls;
+
+  Kernel(const Transport& transport, int lattice)
+      : t(transport), walls(transport.grid_, transport.sides_, *transport.walls_) {
+    for (int a = 0; a < 3; ++a) {
+      flow.data[a] = t.flow_[a].data.data();
+      flow.sy[a] = t.flow_[a].stride(1);
+      flow.sz[a] = t.flow_[a].stride(2);
+      flow.range[a] = axis_range(a, lattice);
+    }
+  }
+
+  /// Ambient air comes into scalars half a cell before an open side; velocity is clamped at the side itself.
+  [[nodiscard]] AxisRange axis_range(int axis, int lattice) const {
+    AxisRange r;
+    r.n = static_cast<float>(t.grid_.size(axis));
+    r.periodic = t.sides_[2 * axis] == Side::periodic;
+    const bool open_low = t.sides_[2 * axis] == Side::open, open_high = t.sides_[2 * axis + 1] == Side::open;
+    r.low = r.periodic || open_low ? -0.5F : 0.0F;
+    r.high = r.n + (r.periodic || open_high ? 0.5F : 0.0F);
+    const float ambient = lattice == 3 ? 0.5F : 0.0F;
+    r.inside_low = open_low ? ambient : 0.0F;
+    r.inside_high = r.n - (open_high ? ambient : 0.0F);
+    if (r.periodic) {
+      r.inside_low = -std::numeric_limits<float>::infinity();
+      r.inside_high = std::numeric_limits<float>::infinity();
+    }
+    return r;
+  }
+
+  /// Points of a row whose path or stencil could meet a closed inner face: those stretching further than the
+  /// clearance of their cell, less half a cell to its edge and one for the stencil.
+  template <int A>
+  [[nodiscard]] unsigned near_wall(F8 stretch, int i, int j, int k, int count) const {
+    if (t.clearance_.empty()) return 0;
+    unsigned near = 0;
+    for (int lane = 0; lane < std::min(count, lanes); ++lane) {
+      const Int3 upper = {i + lane, j, k};
+      std::uint8_t clear = 255;
+      for (int side = 0; side < (A < 3 ? 2 : 1); ++side) {
+        Int3 c = upper;
+        if (A < 3) c[A % 3] = std::clamp(upper[A % 3] - side, 0, t.grid_.size(A % 3) - 1);
+        clear = std::min(clear, t.clearance_[t.grid_.cell(c[0], c[1], c[2])]);
+      }
+      if (!(stretch[lane] + 1.5F < static_cast<float>(clear))) near |= 1U << lane;
+    }
+    return near;
+  }
+
+  /// The point (i,j,k) of lattice A; a face counts to the cell from which (or to which) the path goes.
+  template <int A>
+  [[nodiscard]] WallPoint lattice_point(int i, int j, int k, float sign) const {
+    WallPoint p{{float(i) + 0.5F, float(j) + 0.5F, float(k) + 0.5F}, {i, j, k}, false};
+    if constexpr (A < 3) {
+      p.x[A] -= 0.5F;
+      const bool lower = sign * t.flow_[A].at(i, j, k) < 0.0F;
+      const int n = t.grid_.size(A);
+      if (lower) --p.cell[A];
+      if (t.sides_[2 * A] != Side::periodic) p.cell[A] = std::clamp(p.cell[A], 0, n - 1);
+    }
+    return p;
+  }
+  template <int A>
+  [[nodiscard]] WallSample sample(const Padded& field, const WallPoint& at) const {
+    if constexpr (A < 3)
+      return walls.sample_velocity(field, A, at);
+    else
+      return walls.sample_scalar(field, at);
+  }
+  /// Values that nothing flows through or out of: inside obstacles, and on closed faces.
+  template <int A>
+  [[nodiscard]] bool held(int i, int j, int k) const {
+    if constexpr (A < 3)
+      return walls.closed_face(A, {i, j, k});
+    else
+      return !t.walls_->solid.empty() && t.walls_->solid[t.grid_.cell(i, j, k)];
+  }
+
+  /// First pass at one point near a wall. Where the path was cut or the stencil thinned, the range is narrowed
+  /// to the value itself, so that the second pass leaves it alone.
+  template <int A>
+  void first_at_wall(int i, int j, int k, std::span<const Padded> source, std::span<WallSample> out) const {
+    if (held<A>(i, j, k)) {
+      for (std::size_t f = 0; f < out.size(); ++f) {
+        const float q = source[f].at(i, j, k);
+        out[f] = {q, q, q, true};
+      }
+      return;
+    }
+    const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, -1.0F), -1.0F);
+    for (std::size_t f = 0; f < out.size(); ++f) {
+      out[f] = sample<A>(source[f], end);
+      if (end.clipped || out[f].thinned) out[f].low = out[f].high = out[f].value;
+    }
+  }
+  /// Second pass at one point near a wall: the value carried back, or `first` where that is not sound.
+  template <int A>
+  void second_at_wall(int i, int j, int k, std::span<const Padded> first, std::span<float> back,
+                      std::span<bool> sound) const {
+    std::fill(sound.begin(), sound.end(), false);
+    if (held<A>(i, j, k)) return;
+    const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, 1.0F), 1.0F);
+    for (std::size_t f = 0; f < back.size(); ++f) {
+      const WallSample s = sample<A>(first[f], end);
+      back[f] = s.value;
+      sound[f] = !end.clipped && !s.thinned;
+    }
+  }
+
+  template <int A>
+  void first_pass(std::span<const Padded> source, std::span<Padded> first, std::span<Padded> low,
+                  std::span<Padded> high, std::span<float* const> result) const;
+  template <int A>
+  void second_pass(std::span<const Padded> source, std::span<const Padded> first, std::span<const Padded> low,
+                   std::span<const Padded> high, std::span<float* const> result) const;
+};
+
+/// q^ = A q. With `first` empty the values go straight to `result`; otherwise they, and the range of what they
+/// were made of, are kept for the second pass.
+template <int A>
+void Transport::Kernel::first_pass(std::span<const Padded> source, std::span<Padded> first, std::span<Padded> low,
+                                   std::span<Padded> high, std::span<float* const> result) const {
+  const Int3 size = lattice_size(t.grid_, A);
+  const std::size_t fields = source.size();
+  parallel_chunks(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<WallSample> at_wall(fields);
+    for (std::size_t row = begin; row < end; ++row) {
+      const int j = int(row % size[1]), k = int(row / size[1]);
+      for (int i = 0; i < size[0]; i += lanes) {
+        const int count = size[0] - i;
+        const Paths paths = trace_paths<A>(flow, i, j, k, -1.0F);
+        const Brackets at = bracket_lattice<A>(flow, paths.x);
+        const I8 inside = stayed_inside(flow, paths.x);
+        for (std::size_t f = 0; f < fields; ++f) {
+          const Corners corners(source[f].data.data(), source[f].stride(1), source[f].stride(2), at);
+          const F8 q = corners.interpolate(at);
+          if (first.empty()) {
+            store_some(result[f] + row * size[0] + i, q, count);
+            continue;
+          }
+          const std::size_t here = source[f].index(i, j, k);
+          store_some(first[f].data.data() + here, q, count);
+          store_some(low[f].data.data() + here, inside ? corners.lowest() : q, count);
+          store_some(high[f].data.data() + here, inside ? corners.highest() : q, count);
+        }
+        for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
+          const int lane = __builtin_ctz(near);
+          first_at_wall<A>(i + lane, j, k, source, at_wall);
+          for (std::size_t f = 0; f < fields; ++f) {
+            if (first.empty()) {
+              result[f][row * size[0] + i + lane] = at_wall[f].value;
+              continue;
+            }
+            const std::size_t here = source[f].index(i + lane, j, k);
+            first[f].data[here] = at_wall[f].value;
+            low[f].data[here] = at_wall[f].low;
+            high[f].data[here] = at_wall[f].high;
+          }
+        }
+      }
+    }
+  });
+}
+
+/// q' = q^ + (q - A⁻¹ q^)/2, held within the range of the first pass.
+template <int A>
+void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<const Padded> first,
+                                    std::span<const Padded> low, std::span<const Padded> high,
+                                    std::span<float* const> result) const {
+  const Int3 size = lattice_size(t.grid_, A);
+  const std::size_t fields = source.size();
+  parallel_chunks(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> back(fields);
+    const auto sound = std::make_unique<bool[]>(fields);
+    for (std::size_t row = begin; row < end; ++row) {
+      const int j = int(row % size[1]), k = int(row / size[1]);
+      for (int i = 0; i < size[0]; i += lanes) {
+        const int count = size[0] - i;
+        const Paths paths = trace_paths<A>(flow, i, j, k, 1.0F);
+        const Brackets at = bracket_lattice<A>(flow, paths.x);
+        const I8 inside = stayed_inside(flow, paths.x);
+        for (std::size_t f = 0; f < fields; ++f) {
+          const std::size_t here = source[f].index(i, j, k);
+          const F8 hat = load8(first[f].data.data() + here), q = load8(source[f].data.data() + here);
+          const F8 again =
+              Corners(first[f].data.data(), first[f].stride(1), first[f].stride(2), at).interpolate(at);
+          const F8 better = inside ? hat + 0.5F * (q - again) : hat;
+          store_some(result[f] + row * size[0] + i,
+                     min8(max8(better, load8(low[f].data.data() + here)), load8(high[f].data.data() + here)),
+                     count);
+        }
+        for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
+          const int lane = __builtin_ctz(near);
+          second_at_wall<A>(i + lane, j, k, first, back, std::span<bool>(sound.get(), fields));
+          for (std::size_t f = 0; f < fields; ++f) {
+            const std::size_t here = source[f].index(i + lane, j, k);
+            const float hat = first[f].data[here];
+            const float better = sound[f] ? hat + 0.5F * (source[f].data[here] - back[f]) : hat;
+            result[f][row * size[0] + i + lane] = std::min(std::max(better, low[f].data[here]), high[f].data[here]);
+          }
+        }
+      }
+    }
+  });
+}
+
+Transport::Transport(const Grid& grid, const Sides& sides, const SideMotion& motion)
+    : grid_(grid), sides_(sides), motion_(motion) {
+  for (int a = 0; a < 3; ++a) flow_[a].reshape(lattice_size(grid, a), lattice_pad(a));
+}
+
+void Transport::set_flow(const FaceField& velocity, const Walls& walls, double dt) {
+  walls_ = &walls;
+  scale_ = dt / grid_.h;
+  for (int a = 0; a < 3; ++a) {
+    flow_[a].assign(velocity[a], static_cast<float>(scale_));
+    flow_[a].fill_ghosts(velocity_ghosts(sides_, a, motion_, scale_));
+  }
+  clearance_.clear();
+  if (!walls.any) return;
+
+  // Look for walls as far as the fastest path goes; paths longer than the cap are walked cell by cell.
+  double fastest = 0.0;
+  for (int a = 0; a < 3; ++a) {
+    const auto& u = velocity[a];
+    fastest = std::max(fastest, parallel_max(u.size(), 65536, 0.0, [&](std::size_t begin, std::size_t end) {
+                         float most = 0.0F;
+                         for (std::size_t i = begin; i < end; ++i) most = std::max(most, std::abs(u[i]));
+                         return double(most);
+                       }));
+  }
+  const double reach = std::ceil(std::min(fastest * scale_, 12.0) + 2.0);
+  clearance_ = wall_clearance(grid_, sides_, walls, static_cast<int>(reach));
+}
+
+void Transport::reshape_work(std::size_t fields, int lattice) {
+  for (auto* work : {&source_, &first_, &low_, &high_}) {
+    work->resize(std::max(work->size(), fields));
+    for (std::size_t f = 0; f < fields; ++f) (*work)[f].reshape(lattice_size(grid_, lattice), lattice_pad(lattice));
+  }
+}
+
+TransportReport Transport::carry(std::span<CellField* const> fields, Advection method) {
+  if (method == Advection::conservative) return carry_conservative(fields);
+  const std::size_t count = fields.size();
+  const bool two_passes = method == Advection::maccormack;
+  TransportReport report;
+  std::vector<float*> result;
+  reshape_work(count, 3);
+  for (std::size_t f = 0; f < count; ++f) {
+    report.out.push_back(upwind_outflow(*fields[f]));
+    source_[f].assign(*fields[f], 1.0F);
+    source_[f].fill_ghosts(scalar_ghosts(sides_));
+    result.push_back(fields[f]->data());
+  }
+  const Kernel kernel(*this, 3);
+  const std::span<Padded> source(source_.data(), count), first(first_.data(), two_passes ? count : 0);
+  kernel.first_pass<3>(source, first, low_, high_, result);
+  if (!two_passes) return report;
+  for (Padded& hat : first) hat.fill_ghosts(scalar_ghosts(sides_));
+  kernel.second_pass<3>(source, first, low_, high_, result);
+  return report;
+}
+
+namespace {
+
+template <class Body>
+void for_each_axis(const Body& body) {
+  body(std::integral_constant<int, 0>{});
+  body(std::integral_constant<int, 1>{});
+  body(std::integral_constant<int, 2>{});
+}
+
+}  // namespace
+
+void Transport::carry(FaceField& velocity, Advection method) {
+  require(method != Advection::conservative, "/smoke/velocity_advection",
+          "conservative transport is for smoke, heat and flame only (velocity is carried as a property of the air) "
+          "choose maccormack or semi_lagrangian");
+  const bool two_passes = method == Advection::maccormack;
+  for_each_axis([&](auto axis) {
+    constexpr int a = axis;
+    reshape_work(1, a);
+    source_[0].assign(velocity[a], 1.0F);
+    source_[0].fill_ghosts(velocity_ghosts(sides_, a, motion_, 1.0));
+    float* const result[] = {velocity[a].data()};
+    const Kernel kernel(*this, a);
+    const std::span<Padded> source(source_.data(), 1), first(first_.data(), two_passes ? 1 : 0);
+    kernel.first_pass<a>(source, first, low_, high_, result);
+    if (!two_passes) return;
+    first[0].fill_ghosts(velocity_ghosts(sides_, a, motion_, 1.0));
+    kernel.second_pass<a>(source, first, low_, high_, result);
+  });
+  join_periodic_faces(grid_, sides_, velocity);
+}
+
+double Transport::upwind_outflow(const CellField& field) const {
+  double out = 0.0;
+  for (int s = 0; s < 6; ++s) {
+    if (sides_[s] != Side::open) continue;
+    const int a = s / 2, b = (a + 1) % 3, c = (a + 2) % 3, n = grid_.size(a);
+    const float outward = s % 2 ? 1.0F : -1.0F;
+    for (int p = 0; p < grid_.size(c); ++p) {
+      for (int q = 0; q < grid_.size(b); ++q) {
+        Int3 cell{}, face{};
+        cell[b] = face[b] = q, cell[c] = face[c] = p;
+        cell[a] = s % 2 ? n - 1 : 0, face[a] = s % 2 ? n : 0;
+        const float u = outward * flow_[a].at(face[0], face[1], face[2]);
+        if (u > 0.0F) out += double(u) * field[grid_.cell(cell[0], cell[1], cell[2])];
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace wick::fluid

@@ -1,0 +1,61 @@
+#pragma once
+/// Paths and samples near walls, where every step goes from cell to cell through open faces only, so that
+/// nothing is ever seen or carried through a closed face [Guendelman 2005].
+///
+/// Positions are in cells: cell (i,j,k) spans [i, i+1) x ..., face i of axis a lies at coordinate i. Outside
+/// an open side there is one layer of ghost cells, which are cells like all others; a periodic side continues
+/// with the cells of the other end.
+#include <array>
+
+#include "fluid/padded.h"
+#include "fluid/walls.h"
+
+namespace wick::fluid {
+
+/// A point and the cell that it counts as lying in (a point on a face could be in either).
+struct WallPoint {
+  std::array<float, 3> x{};
+  Int3 cell{};
+  bool clipped = false;  ///< the path here was cut by a closed face or by a closed side
+};
+
+/// An interpolated value with the range of what it was made of.
+struct WallSample {
+  float value = 0.0F, low = 0.0F, high = 0.0F;
+  bool thinned = false;  ///< a sample with weight could not be reached
+};
+
+class WallPaths {
+ public:
+  WallPaths(const Grid& grid, const Sides& sides, const Walls& walls) : grid_(grid), sides_(sides), walls_(walls) {}
+
+  /// True where one may go from `cell` to its neighbour across its lower (0) or upper (1) face of `axis`.
+  [[nodiscard]] bool passable(const Int3& cell, int axis, int upper) const;
+  /// True where the face is closed for good: an inner wall, or a closed side of the box.
+  [[nodiscard]] bool closed_face(int axis, const Int3& face) const;
+  /// Goes from `start` along `displacement` until the end or the first closed face.
+  [[nodiscard]] WallPoint walk(const WallPoint& start, const std::array<float, 3>& displacement) const;
+  /// Interpolates values at cell centres from those of the eight cells around the point that can be reached.
+  [[nodiscard]] WallSample sample_scalar(const Padded& field, const WallPoint& at) const;
+  /// Interpolates component `axis` of velocity. An open face belongs to the cells on both its sides; a closed
+  /// face shows the velocity stored there, the wall's, to both.
+  [[nodiscard]] WallSample sample_velocity(const Padded& component, int axis, const WallPoint& at) const;
+  [[nodiscard]] std::array<float, 3> velocity(const std::array<Padded, 3>& field, const WallPoint& at) const;
+  /// Second-order path against (sign -1) or along (+1) the flow [cells a step].
+  [[nodiscard]] WallPoint trace(const std::array<Padded, 3>& flow, const WallPoint& start, float sign) const;
+
+ private:
+  void wrap_cell(Int3& cell) const;
+  /// Which of the 2x2x2 cells from `cell` toward `toward` are joined to it by open faces within the block.
+  [[nodiscard]] unsigned reach(const Int3& cell, const Int3& toward) const;
+
+  const Grid& grid_;
+  const Sides& sides_;
+  const Walls& walls_;
+};
+
+/// For each cell how many cells away, counted along the axis where it is farthest (Chebyshev), the nearest cell
+/// with a closed inner face is; `reach` + 1 where there is none within `reach`.
+std::vector<std::uint8_t> wall_clearance(const Grid& grid, const Sides& sides, const Walls& walls, int reach);
+
+}  // namespace wick::fluid
