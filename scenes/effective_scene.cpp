@@ -1,0 +1,141 @@
+#include "scenes/effective_scene.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/parameters.h"
+#include "core/require.h"
+#include "core/state.h"
+#include "scenes/atomic_file.h"
+#include "scenes/json_text.h"
+
+namespace wick::scenes {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+namespace {
+
+enum class Selection { all, fixed_on_resume };
+
+class JsonWriter final : public ParameterVisitor {
+ public:
+  explicit JsonWriter(Selection selection) : selection_(selection) {}
+  Json take() { return std::move(object_); }
+
+  void number(const About& about, double& value) override { put(about, value); }
+  void integer(const About& about, int& value) override { put(about, value); }
+  void flag(const About& about, bool& value) override { put(about, value); }
+  void text(const About& about, std::string& value) override { put(about, value); }
+  void numbers(const About& about, std::span<double> values) override {
+    put(about, std::vector<double>(values.begin(), values.end()));
+  }
+  void integers(const About& about, std::span<int> values) override {
+    put(about, std::vector<int>(values.begin(), values.end()));
+  }
+  void index_list(const About& about, std::vector<int>& values) override { put(about, values); }
+  void choice_index(const About& about, int& value, std::span<const char* const> names) override {
+    put(about, std::string(names[static_cast<std::size_t>(value)]));
+  }
+  void group(const char* key, const char*, FunctionRef<void(ParameterVisitor&)> describe) override {
+    object_[key] = inner(describe);
+  }
+  void optional_group(const char* key, const char*, bool present, FunctionRef<void(bool)>,
+                      FunctionRef<void(ParameterVisitor&)> describe) override {
+    if (present) object_[key] = inner(describe);
+  }
+  void group_list(const char* key, const char*, std::size_t count, FunctionRef<void(std::size_t)>,
+                  FunctionRef<void(ParameterVisitor&, std::size_t)> describe,
+                  FunctionRef<void(ParameterVisitor&)>) override {
+    Json array = Json::array();
+    for (std::size_t i = 0; i < count; ++i) array.push_back(inner([&](ParameterVisitor& v) { describe(v, i); }));
+    object_[key] = std::move(array);
+  }
+
+ private:
+  template <class T>
+  void put(const About& about, const T& value) {
+    if (selection_ == Selection::all || about.on_resume == OnResume::fixed) object_[about.key] = value;
+  }
+  Json inner(FunctionRef<void(ParameterVisitor&)> describe) const {
+    JsonWriter writer(selection_);
+    describe(writer);
+    return writer.take();
+  }
+
+  Selection selection_;
+  Json object_ = Json::object();
+};
+
+Json json_of(const Scene& scene, Selection selection) {
+  // Visitors take references that they may write through; a writer of JSON does not, but the list asks for it.
+  Scene copy = scene;
+  JsonWriter writer(selection);
+  describe(writer, copy);
+  return writer.take();
+}
+
+/// Calls `visit` with each non-empty text whose key is `file`: the mesh files of the scene.
+void for_each_file(Json& node, FunctionRef<void(Json& file)> visit) {
+  if (!node.is_structured()) return;
+  for (auto& [key, value] : node.items()) {
+    if (key == "file" && value.is_string() && !value.get_ref<const std::string&>().empty())
+      visit(value);
+    else
+      for_each_file(value, visit);
+  }
+}
+
+}  // namespace
+
+Json effective_json(const Scene& scene) {
+  return json_of(scene, Selection::all);
+}
+
+Json parameters_json(FunctionRef<void(ParameterVisitor&)> describe) {
+  JsonWriter writer(Selection::all);
+  describe(writer);
+  return writer.take();
+}
+
+std::string effective_file(const Scene& scene, const fs::path& folder) {
+  Json json = effective_json(scene);
+  for_each_file(json, [&](Json& file) {
+    const fs::path path = file.get<std::string>();
+    if (path.is_absolute()) return;
+    std::error_code error;
+    const fs::path relative = fs::relative(fs::path(scene.world.directory) / path, folder, error);
+    if (!error && !relative.empty()) file = relative.string();
+  });
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string scene_identity(const Scene& scene) {
+  // Larger than any mesh that a sheet can be made of in memory.
+  constexpr std::uint64_t largest_mesh = 4ULL << 30;
+  Json json = json_of(scene, Selection::fixed_on_resume);
+  for_each_file(json, [&](Json& file) {
+    const Bytes bytes = read_file(fs::path(scene.world.directory) / file.get<std::string>(), largest_mesh);
+    file = fmt::format("content {:016x}", hash_bytes(bytes.data(), bytes.size()));
+  });
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string identity_difference(const std::string& before, const std::string& now) {
+  const auto parse = [](const std::string& text) { return nlohmann::json::parse(text, nullptr, false); };
+  const nlohmann::json old_scene = parse(before), new_scene = parse(now);
+  if (old_scene == new_scene) return "";
+  if (old_scene.is_discarded() || new_scene.is_discarded()) return "the whole scene";
+  const auto patch = nlohmann::json::diff(new_scene, old_scene);
+  const std::string pointer = patch.at(0).at("path").get<std::string>();
+  const auto shown = [&](const nlohmann::json& scene) {
+    const nlohmann::json::json_pointer at(pointer);
+    if (!scene.contains(at)) return std::string("absent");
+    const std::string text = scene.at(at).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+    return text.size() > 60 ? text.substr(0, 60) + "..." : text;
+  };
+  return fmt::format("{} was {}, is {}", pointer, shown(old_scene), shown(new_scene));
+}
+
+}  // namespace wick::scenes

@@ -1,0 +1,29 @@
+#pragma once
+/// The scene with every default written out, and the part of it that a resumed run must not change.
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "core/function_ref.h"
+#include "scenes/scene.h"
+
+namespace wick::scenes {
+
+/// Every parameter of `scene`; reading it back gives the same scene.
+nlohmann::ordered_json effective_json(const Scene& scene);
+
+/// The parameters that describe() lists, as JSON.
+nlohmann::ordered_json parameters_json(FunctionRef<void(ParameterVisitor&)> describe);
+
+/// The effective scene as a file for the output folder: mesh files are named relative to `folder`, so that
+/// the file can be run from there.
+std::string effective_file(const Scene& scene, const std::filesystem::path& folder);
+
+/// What makes two runs the same run: all parameters that may not change on resume, and the content of the
+/// mesh files, as JSON text.
+std::string scene_identity(const Scene& scene);
+
+/// Names the first difference between two identities, for a message; empty where there is none.
+std::string identity_difference(const std::string& before, const std::string& now);
+
+}  // namespace wick::scenes

@@ -1,0 +1,44 @@
+#include "scenes/frame_output.h"
+
+#include "scenes/checkpoint.h"
+#include "scenes/mesh_output.h"
+
+namespace wick::scenes {
+
+FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, const RunFolder& folder,
+                           const std::string& scene_hash) {
+  FrameOutput output;
+  output.frame = world.frame();
+  const fluid::SmokeState* smoke = world.smoke();
+  if (smoke && scene.world.smoke && scene.output.volume.write) {
+    output.volume_path = folder.volume(scene.output, world.frame());
+    VolumeFrame volume;
+    // Pressure is not written, so it is not copied.
+    volume.state.velocity = smoke->velocity;
+    volume.state.density = smoke->density;
+    volume.state.temperature = smoke->temperature;
+    volume.state.flame = smoke->flame;
+    volume.grid = fluid::smoke_grid(*scene.world.smoke);
+    volume.ambient_temperature = scene.world.smoke->ambient_temperature;
+    volume.frame = file_number(scene.output, world.frame());
+    volume.time = world.time();
+    volume.fps = scene.fps;
+    volume.scene_hash = scene_hash;
+    output.volume = std::move(volume);
+  }
+  if (scene.output.mesh.write)
+    for (const coupling::ShellView& view : world.shells())
+      output.files.emplace_back(folder.mesh(scene.output, view.name, world.frame()),
+                                shell_ply(view, scene.output.up_axis));
+  return output;
+}
+
+void write_outputs(const FrameOutput& output, const OutputParams& params) {
+  if (output.volume) write_file(output.volume_path, smoke_vdb(*output.volume, params.volume, params.up_axis));
+  for (const auto& [path, bytes] : output.files) write_file(path, bytes);
+  if (output.checkpoint.empty()) return;
+  write_file(output.checkpoint_folder / checkpoint_name(output.frame), output.checkpoint);
+  prune_checkpoints(output.checkpoint_folder, output.frame, params.checkpoint.keep);
+}
+
+}  // namespace wick::scenes

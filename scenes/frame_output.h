@@ -1,0 +1,31 @@
+#pragma once
+/// Everything that one frame writes, gathered so that the world can move on while it is written.
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "coupling/world.h"
+#include "scenes/atomic_file.h"
+#include "scenes/run_folder.h"
+#include "scenes/volume_output.h"
+
+namespace wick::scenes {
+
+struct FrameOutput {
+  int frame = 0;
+  std::filesystem::path volume_path;
+  std::optional<VolumeFrame> volume;
+  std::vector<std::pair<std::filesystem::path, Bytes>> files;  ///< complete: meshes, metrics
+  Bytes checkpoint;                                            ///< empty: none in this frame
+  std::filesystem::path checkpoint_folder;
+};
+
+/// Copies of the fields and the finished meshes of the world's present frame.
+FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, const RunFolder& folder,
+                           const std::string& scene_hash);
+
+/// Writes them: volume, files, then the checkpoint, which thus vouches for all before it.
+void write_outputs(const FrameOutput& output, const OutputParams& params);
+
+}  // namespace wick::scenes

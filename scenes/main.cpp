@@ -1,0 +1,105 @@
+/// The program: what the command line asks for, and the exit code that answers it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "scenes/bundled.h"
+#include "scenes/reference.h"
+#include "scenes/run.h"
+#include "scenes/scene_file.h"
+#include "scenes/version.h"
+
+namespace {
+
+using namespace wick;
+using namespace wick::scenes;
+
+int code(ExitCode value) {
+  return static_cast<int>(value);
+}
+
+struct CommandLine {
+  RunOptions options;
+  std::string scene;
+  std::string pointer;
+  std::string experiment = "list";
+  int frames = 0;
+  bool markdown = false;
+};
+
+void add_scene_options(CLI::App& command, CommandLine& line) {
+  command.add_option("scene", line.scene, "scene file, or the name of a bundled scene (see list)")->required();
+  command.add_option("--out", line.options.out, "output folder [out/<scene name>]");
+  command.add_option("--frames", line.frames, "frames to compute, counted from the first (the initial state)")
+      ->check(CLI::Range(1, 10000000));
+  command.add_option("--set", line.options.set, "change one parameter: /pointer=value")->allow_extra_args(false);
+  command.add_option("--threads", line.options.threads, "threads to use [all]")->check(CLI::Range(1, 1024));
+  command.add_flag("--quiet", line.options.quiet, "say nothing but errors");
+}
+
+void add_commands(CLI::App& app, CommandLine& line) {
+  app.set_version_flag("--version", std::string("wick ") + version);
+  app.require_subcommand(1);
+  CLI::App* run = app.add_subcommand("run", "compute a scene; goes on where an earlier run of it stopped");
+  add_scene_options(*run, line);
+  run->add_flag("--restart", line.options.restart, "forget what the output folder holds and begin anew");
+  add_scene_options(*app.add_subcommand("check", "check a scene without computing it"), line);
+  app.add_subcommand("list", "list the bundled scenes");
+  CLI::App* explain = app.add_subcommand("explain", "list the parameters of a scene");
+  explain->add_option("pointer", line.pointer, "only what is at or below /this/pointer");
+  explain->add_flag("--markdown", line.markdown, "the whole reference as a page");
+  app.add_subcommand("schema", "print the JSON Schema of scene files");
+  CLI::App* experiment = app.add_subcommand("experiment", "list the bundled experiments");
+  experiment->add_option("what", line.experiment, "list")->check(CLI::IsMember({"list"}));
+}
+
+ExitCode run_or_check(CommandLine& line, bool run) {
+  line.options.scene = find_scene(line.scene);
+  if (line.frames > 0) line.options.frames = line.frames;
+  if (run) return run_scene(line.options);
+  check_scene(line.options);
+  return ExitCode::done;
+}
+
+ExitCode perform(const CLI::App& app, CommandLine& line) {
+  if (app.got_subcommand("run") || app.got_subcommand("check"))
+    return run_or_check(line, app.got_subcommand("run"));
+  if (app.got_subcommand("list")) fmt::print("{}", list_of_scenes(bundled_folder()));
+  if (app.got_subcommand("experiment")) fmt::print("{}", list_of_scenes(bundled_folder() / "experiments"));
+  if (app.got_subcommand("explain")) fmt::print("{}", line.markdown ? reference_page() : explain(line.pointer));
+  if (app.got_subcommand("schema")) fmt::print("{}\n", scene_schema().dump(2));
+  return ExitCode::done;
+}
+
+int report(const std::string& message, ExitCode exit_code) {
+  fmt::print(stderr, "wick: {}\n", message);
+  return code(exit_code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandLine line;
+  CLI::App app("wick: burning sheets and their smoke");
+  add_commands(app, line);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool asked = error.get_exit_code() == 0;
+    app.exit(error);
+    return code(asked ? ExitCode::done : ExitCode::command_line);
+  }
+  try {
+    return code(perform(app, line));
+  } catch (const Refusal& refusal) {
+    return report(format_refusal(line.scene, refusal), refusal.code());
+  } catch (const std::bad_alloc&) {
+    return report("out of memory (the scene is too large for this machine) lower its resolutions",
+                  ExitCode::refused);
+  } catch (const std::exception& error) {
+    return report(fmt::format("internal fault: {}", error.what()), ExitCode::internal_fault);
+  } catch (...) {
+    return report("internal fault: an unknown exception", ExitCode::internal_fault);
+  }
+}

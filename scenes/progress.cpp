@@ -1,0 +1,77 @@
+#include "scenes/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "scenes/machine.h"
+
+namespace wick::scenes {
+
+namespace {
+
+constexpr int bar_width = 24;
+
+std::string solver_text(const coupling::FrameReport& report) {
+  std::string text;
+  for (const auto& [solver, solve] : report.solves) text += fmt::format("  {} {} it", solver, solve.iterations);
+  if (report.unconverged_solves > 0) text += fmt::format("  {} solves unconverged", report.unconverged_solves);
+  return text;
+}
+
+}  // namespace
+
+Progress::Progress(int first, int last, bool quiet)
+    : first_(first), last_(last), quiet_(quiet), bar_(!quiet && isatty(STDERR_FILENO) == 1) {}
+
+void Progress::frame(const coupling::FrameReport& report, double seconds) {
+  ++frames_;
+  step_seconds_ += seconds;
+  for (const auto& [stage, time] : report.seconds) stages_[stage] += time;
+  // Recent frames count more: smoke fills the box as it rises, so frames grow dearer.
+  mean_seconds_ = frames_ == 1 ? seconds : 0.8 * mean_seconds_ + 0.2 * seconds;
+  if (quiet_) return;
+  const std::string line =
+      fmt::format("frame {}/{}  {} substeps{}  {:.2f} s/frame  {} left", report.frame, last_, report.substeps,
+                  solver_text(report), seconds, seconds_text(mean_seconds_ * (last_ - report.frame)));
+  if (!bar_) {
+    fmt::print(stderr, "{}\n", line);
+    return;
+  }
+  const int span = std::max(last_ - first_, 1);
+  const int filled = std::clamp(bar_width * (report.frame - first_) / span, 0, bar_width);
+  fmt::print(stderr, "\r\x1b[K[{:=<{}}{: <{}}] {}", "", filled, "", bar_width - filled, line);
+  std::fflush(stderr);
+  bar_shown_ = true;
+}
+
+void Progress::clear_bar() {
+  if (bar_shown_) fmt::print(stderr, "\n");
+  bar_shown_ = false;
+}
+
+void Progress::note(const std::string& text) {
+  if (quiet_) return;
+  clear_bar();
+  fmt::print(stderr, "{}\n", text);
+}
+
+void Progress::summary(double wall_seconds) {
+  clear_bar();
+  if (quiet_ || frames_ == 0) return;
+  std::vector<std::pair<std::string, double>> rows(stages_.begin(), stages_.end());
+  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  fmt::print("{:<24}{:>12}{:>12}{:>9}\n", "stage", "seconds", "s/frame", "share");
+  const auto row = [&](const std::string& name, double seconds) {
+    fmt::print("{:<24}{:>12.3f}{:>12.4f}{:>8.1f}%\n", name, seconds, seconds / frames_,
+               wall_seconds > 0.0 ? 100.0 * seconds / wall_seconds : 0.0);
+  };
+  for (const auto& [stage, seconds] : rows) row(stage, seconds);
+  row("all steps", step_seconds_);
+  row("whole run", wall_seconds);
+}
+
+}  // namespace wick::scenes

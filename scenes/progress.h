@@ -1,0 +1,30 @@
+#pragma once
+/// What a person sees of a run: a bar on a terminal, plain lines elsewhere, a table of stages at the end.
+#include <string>
+
+#include "coupling/world.h"
+
+namespace wick::scenes {
+
+class Progress {
+ public:
+  Progress(int first, int last, bool quiet);
+  /// Tells of one computed frame that took `seconds`.
+  void frame(const coupling::FrameReport& report, double seconds);
+  /// A line of its own, above the bar.
+  void note(const std::string& text);
+  /// Stage, seconds, share; nothing when quiet.
+  void summary(double wall_seconds);
+
+ private:
+  void clear_bar();
+
+  int first_, last_;
+  bool quiet_, bar_, bar_shown_ = false;
+  double mean_seconds_ = 0.0;  ///< of the recent frames, for the time left
+  double step_seconds_ = 0.0;
+  int frames_ = 0;
+  StageSeconds stages_;
+};
+
+}  // namespace wick::scenes

@@ -1,0 +1,119 @@
+#include "scenes/run_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "core/require.h"
+#include "scenes/atomic_file.h"
+#include "scenes/checkpoint.h"
+#include "scenes/machine.h"
+
+namespace wick::scenes {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Tells whether `fd` is still the file of that name: another run may have removed it between open and lock.
+bool is_current(int fd, const fs::path& path) {
+  struct stat held {
+  }, named{};
+  return ::fstat(fd, &held) == 0 && ::stat(path.c_str(), &named) == 0 && held.st_ino == named.st_ino &&
+         held.st_dev == named.st_dev;
+}
+
+std::string holder(int fd) {
+  std::array<char, 400> text{};
+  const ssize_t got = ::pread(fd, text.data(), text.size() - 1, 0);
+  std::string line(text.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }),
+             line.end());
+  return line.empty() ? "another process" : line;
+}
+
+std::string numbered(const std::string& name, const OutputParams& output, int frame, const char* extension) {
+  return fmt::format("{}.{:0{}d}.{}", name, file_number(output, frame), output.frame_padding, extension);
+}
+
+/// Matches <name>.<digits>.<extension>.
+bool is_frame_file(const fs::path& path, const std::string& extension) {
+  if (path.extension() != extension) return false;
+  const std::string number = path.stem().extension().string();
+  return number.size() > 1 &&
+         std::all_of(number.begin() + 1, number.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+void remove_frames(const fs::path& folder, const std::string& extension) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (is_frame_file(it->path(), extension)) fs::remove(it->path());
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const fs::path& folder) : path_(folder / "run.lock") {
+  for (;;) {
+    fd_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    require(fd_ >= 0, "",
+            fmt::format("cannot make {} ({}) choose another --out", path_.string(), std::strerror(errno)),
+            ExitCode::output_cannot_be_made);
+    if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+      const std::string who = holder(fd_);
+      ::close(fd_);
+      throw Refusal(ExitCode::output_cannot_be_made, "",
+                    fmt::format("{} is in use by {} (two runs would overwrite each other) wait for it or choose "
+                                "another --out",
+                                folder.string(), who));
+    }
+    if (is_current(fd_, path_)) break;
+    ::close(fd_);
+  }
+  const std::string text = fmt::format("host {} pid {}\n", host_name(), ::getpid());
+  // The text only informs: where it cannot be written the lock holds all the same.
+  if (::ftruncate(fd_, 0) != 0 || ::pwrite(fd_, text.data(), text.size(), 0) < 0) return;
+}
+
+FolderLock::~FolderLock() {
+  ::unlink(path_.c_str());
+  ::close(fd_);
+}
+
+int file_number(const OutputParams& output, int frame) {
+  return frame - 1 + output.frame_start;
+}
+
+fs::path RunFolder::volume(const OutputParams& output, int frame) const {
+  return volumes() / numbered("smoke", output, frame, "vdb");
+}
+
+fs::path RunFolder::mesh(const OutputParams& output, const std::string& shell, int frame) const {
+  return meshes() / numbered(shell, output, frame, "ply");
+}
+
+void RunFolder::tidy() const {
+  for (const fs::path& folder : {root, volumes(), meshes(), checkpoints()}) remove_temporaries(folder);
+}
+
+void RunFolder::clear() const {
+  // Checkpoints first: a run killed in between must not go on from one of them.
+  for (const int frame : checkpoint_frames(checkpoints())) fs::remove(checkpoints() / checkpoint_name(frame));
+  for (const fs::path& file : {record(), metrics(), scene()}) fs::remove(file);
+  remove_frames(volumes(), ".vdb");
+  remove_frames(meshes(), ".ply");
+}
+
+void RunFolder::make(const Scene& scene) const {
+  make_folder(checkpoints());
+  if (scene.world.smoke && scene.output.volume.write) make_folder(volumes());
+  if (!scene.world.shells.empty() && scene.output.mesh.write) make_folder(meshes());
+}
+
+}  // namespace wick::scenes

@@ -1,0 +1,48 @@
+#pragma once
+/// The output folder of a run: its paths, and the lock that keeps a second run out.
+#include <filesystem>
+#include <string>
+
+#include "scenes/scene.h"
+
+namespace wick::scenes {
+
+/// Holds `run.lock` in the folder. The lock is the kernel's (flock) and dies with its process, however it
+/// dies; the file's text, host and pid, is for people. Throws Refusal (output_cannot_be_made) while
+/// another run holds it.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  std::filesystem::path path_;
+  int fd_ = -1;
+};
+
+struct RunFolder {
+  std::filesystem::path root;
+
+  [[nodiscard]] std::filesystem::path scene() const { return root / "scene.json"; }
+  [[nodiscard]] std::filesystem::path record() const { return root / "run.json"; }
+  [[nodiscard]] std::filesystem::path metrics() const { return root / "metrics.h5"; }
+  [[nodiscard]] std::filesystem::path volumes() const { return root / "volumes"; }
+  [[nodiscard]] std::filesystem::path meshes() const { return root / "meshes"; }
+  [[nodiscard]] std::filesystem::path checkpoints() const { return root / "checkpoints"; }
+  [[nodiscard]] std::filesystem::path volume(const OutputParams& output, int frame) const;
+  [[nodiscard]] std::filesystem::path mesh(const OutputParams& output, const std::string& shell, int frame) const;
+
+  /// Removes half-made files of a killed run.
+  void tidy() const;
+  /// Removes every frame, checkpoint and record of an earlier run; other files stay.
+  void clear() const;
+  /// Makes the folders that `scene` writes into.
+  void make(const Scene& scene) const;
+};
+
+/// The number in the file name of simulation frame `frame` (1 is the initial state).
+int file_number(const OutputParams& output, int frame);
+
+}  // namespace wick::scenes
