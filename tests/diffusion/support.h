@@ -1,5 +1,6 @@
 #pragma once
 /// What the tests of the diffusion room share: sheets, deformations and one-line steps.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
