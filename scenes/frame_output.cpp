@@ -2,6 +2,7 @@
 
 #include "scenes/checkpoint.h"
 #include "scenes/mesh_output.h"
+#include "scenes/preview.h"
 
 namespace wick::scenes {
 
@@ -30,6 +31,12 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
     for (const coupling::ShellView& view : world.shells())
       output.files.emplace_back(folder.mesh(scene.output, view.name, world.frame()),
                                 shell_ply(view, scene.output.up_axis));
+  if (scene.output.preview.write) {
+    const Picture picture = draw_preview(scene.output.preview, world.shells(), smoke,
+                                         scene.world.smoke ? &*scene.world.smoke : nullptr);
+    const std::vector<char> png = encode_png(picture);
+    output.files.emplace_back(folder.preview(scene.output, world.frame()), Bytes(png.begin(), png.end()));
+  }
   return output;
 }
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
+#include <cmath>
+
+#include "scenes/sheet_color.h"
 
 namespace wick::scenes {
 
@@ -36,40 +38,19 @@ std::string header(const coupling::ShellView& view) {
   return text;
 }
 
-/// The named values of a view, or null.
-const std::vector<float>* find(const coupling::ShellView& view, std::string_view name) {
-  for (const auto& [key, values] : view.values)
-    if (key == name) return &values;
-  return nullptr;
-}
-
-Vec3 mix(const Vec3& a, const Vec3& b, double t) {
-  return a + (b - a) * std::clamp(t, 0.0, 1.0);
+/// Linear light to an sRGB byte [IEC 61966-2-1].
+std::uint8_t srgb_byte(double linear) {
+  const double v = std::clamp(linear, 0.0, 1.0);
+  const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255.0 * s));
 }
 
 }  // namespace
 
-std::array<std::uint8_t, 4> burning_colour(double char_fraction, double saturation, double temperature) {
-  const Vec3 paper(0.93, 0.91, 0.86), brown(0.40, 0.23, 0.10), black(0.035, 0.03, 0.03), ember(1.0, 0.48, 0.10);
-  constexpr double brown_at = 0.3, black_at = 0.75;  // char fraction of the two turns, by eye
-  const double c = std::clamp(char_fraction, 0.0, 1.0);
-  Vec3 colour =
-      c < brown_at ? mix(paper, brown, c / brown_at) : mix(brown, black, (c - brown_at) / (black_at - brown_at));
-  colour *= 1.0 - 0.45 * std::clamp(saturation, 0.0, 1.0);  // wet paper reflects about half as much
-  colour = mix(colour, ember, (temperature - 800.0) / 400.0);
-  std::array<std::uint8_t, 4> bytes{0, 0, 0, 255};
-  for (int i = 0; i < 3; ++i)
-    bytes[i] = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(colour[i], 0.0, 1.0)));
-  return bytes;
-}
-
 Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis) {
   const std::size_t count = view.x->size();
   const std::vector<Vec3> normals = solid::vertex_normals(*view.mesh, *view.x);
-  const std::vector<float>*charred = find(view, "char"), *wet = find(view, "saturation"),
-        *hot = find(view, "temperature");
-  const auto value = [](const std::vector<float>* values, std::size_t i) { return values ? (*values)[i] : 0.0F; };
-
+  const std::vector<SheetColor> colors = sheet_colors(view);
   const std::string head = header(view);
   Bytes bytes;
   bytes.reserve(head.size() + count * (48 + 4 * view.values.size()) + 13 * view.mesh->triangle_count());
@@ -83,8 +64,9 @@ Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis) {
                            static_cast<float>(view.mesh->material[i].y())};
       append(bytes, st, sizeof st);
     }
-    const auto colour = burning_colour(value(charred, i), value(wet, i), value(hot, i));
-    append(bytes, colour.data(), colour.size());
+    std::array<std::uint8_t, 4> rgba{0, 0, 0, 255};
+    for (int c = 0; c < 3; ++c) rgba[c] = srgb_byte(colors[i].reflected[c] + colors[i].emitted[c]);
+    append(bytes, rgba.data(), rgba.size());
     for (const auto& [name, values] : view.values) append(bytes, &values[i], sizeof(float));
   }
   for (const Int3& triangle : view.mesh->triangles) {

@@ -7,13 +7,9 @@
 namespace wick::scenes {
 
 /// Vertices with x y z, nx ny nz, vx vy vz [m/s], s t (material coordinates [m], where the sheet has them),
-/// red green blue alpha, and every named value of the view as a float; then the triangles. Vertices keep their
+/// red green blue alpha (sRGB, glow included), and every named value of the view as a float; then the triangles. Vertices keep their
 /// numbers from frame to frame; those in no triangle stay with a zero normal.
 Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis);
-
-/// How a burning sheet looks: paper white, brown, then black as `char_fraction` goes 0 to 1; darker when wet
-/// (`saturation`); orange glow above 800 K, where solids begin to be seen in the dark [Draper 1847]. sRGB bytes.
-std::array<std::uint8_t, 4> burning_colour(double char_fraction, double saturation, double temperature);
 
 /// A vector of the simulation (z up) as the output's axes see it.
 inline Vec3 to_axes(const Vec3& v, UpAxis up_axis) {

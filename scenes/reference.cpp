@@ -154,7 +154,8 @@ std::string explain(const std::string& pointer) {
     known.push_back(row.pointer);
     if (row.type == "list of sections") known.push_back(section_of(row.pointer));
   }
-  const std::string root = with_stars(pointer.starts_with('/') || pointer.empty() ? pointer : fmt::format("/{}", pointer));
+  const std::string root =
+      with_stars(pointer.starts_with('/') || pointer.empty() ? pointer : fmt::format("/{}", pointer));
   if (root.empty()) return columns(rows);
   std::erase_if(rows, [&](const ParameterRow& row) { return !is_at_or_below(row.pointer, root); });
   const std::string near = nearest(root, known);

@@ -43,12 +43,12 @@ std::string numbered(const std::string& name, const OutputParams& output, int fr
   return fmt::format("{}.{:0{}d}.{}", name, file_number(output, frame), output.frame_padding, extension);
 }
 
-/// Matches <name>.<digits>.<extension>.
+/// Matches <name>.<digits>.<extension> and <digits>.<extension>.
 bool is_frame_file(const fs::path& path, const std::string& extension) {
   if (path.extension() != extension) return false;
-  const std::string number = path.stem().extension().string();
-  return number.size() > 1 &&
-         std::all_of(number.begin() + 1, number.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const std::string stem = path.stem().string();
+  const std::string number = stem.substr(stem.rfind('.') + 1);  // all of the stem where it has no dot
+  return !number.empty() && std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 void remove_frames(const fs::path& folder, const std::string& extension) {
@@ -98,8 +98,12 @@ fs::path RunFolder::mesh(const OutputParams& output, const std::string& shell, i
   return meshes() / numbered(shell, output, frame, "ply");
 }
 
+fs::path RunFolder::preview(const OutputParams& output, int frame) const {
+  return previews() / fmt::format("{:0{}d}.png", file_number(output, frame), output.frame_padding);
+}
+
 void RunFolder::tidy() const {
-  for (const fs::path& folder : {root, volumes(), meshes(), checkpoints()}) remove_temporaries(folder);
+  for (const fs::path& folder : {root, volumes(), meshes(), previews(), checkpoints()}) remove_temporaries(folder);
 }
 
 void RunFolder::clear() const {
@@ -108,12 +112,14 @@ void RunFolder::clear() const {
   for (const fs::path& file : {record(), metrics(), scene()}) fs::remove(file);
   remove_frames(volumes(), ".vdb");
   remove_frames(meshes(), ".ply");
+  remove_frames(previews(), ".png");
 }
 
 void RunFolder::make(const Scene& scene) const {
   make_folder(checkpoints());
   if (scene.world.smoke && scene.output.volume.write) make_folder(volumes());
   if (!scene.world.shells.empty() && scene.output.mesh.write) make_folder(meshes());
+  if (scene.output.preview.write) make_folder(previews());
 }
 
 }  // namespace wick::scenes

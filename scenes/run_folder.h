@@ -30,9 +30,11 @@ struct RunFolder {
   [[nodiscard]] std::filesystem::path metrics() const { return root / "metrics.h5"; }
   [[nodiscard]] std::filesystem::path volumes() const { return root / "volumes"; }
   [[nodiscard]] std::filesystem::path meshes() const { return root / "meshes"; }
+  [[nodiscard]] std::filesystem::path previews() const { return root / "previews"; }
   [[nodiscard]] std::filesystem::path checkpoints() const { return root / "checkpoints"; }
   [[nodiscard]] std::filesystem::path volume(const OutputParams& output, int frame) const;
   [[nodiscard]] std::filesystem::path mesh(const OutputParams& output, const std::string& shell, int frame) const;
+  [[nodiscard]] std::filesystem::path preview(const OutputParams& output, int frame) const;
 
   /// Removes half-made files of a killed run.
   void tidy() const;

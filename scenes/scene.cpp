@@ -73,6 +73,7 @@ void describe(ParameterVisitor& v, OutputParams& p) {
   v.integer({"frame_padding", "1", between(1, 9), "digits of the frame number in file names"}, p.frame_padding);
   v.nested("volume", "OpenVDB files of the smoke", p.volume);
   v.nested("mesh", "PLY files of the sheets", p.mesh);
+  v.nested("preview", "pictures of the frames", p.preview);
   v.nested("checkpoint", "files from which an interrupted run goes on", p.checkpoint);
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "coupling/world_params.h"
+#include "scenes/preview.h"
 
 namespace wick::scenes {
 
@@ -54,6 +55,7 @@ struct OutputParams {
   int frame_padding = 4;
   VolumeParams volume;
   MeshOutputParams mesh;
+  PreviewParams preview;
   CheckpointParams checkpoint;
 };
 void describe(ParameterVisitor& visitor, OutputParams& params);
