@@ -137,6 +137,14 @@ struct Transport::Kernel {
       return !t.walls_->solid.empty() && t.walls_->solid[t.grid_.cell(i, j, k)];
   }
 
+  /// True where a path that nothing cut ended inside the box, by the same limits as stayed_inside.
+  [[nodiscard]] bool sound(const WallPoint& end) const {
+    bool inside = !end.clipped;
+    for (int a = 0; a < 3; ++a) {
+      inside = inside && end.x[a] >= flow.range[a].inside_low && end.x[a] <= flow.range[a].inside_high;
+    }
+    return inside;
+  }
   /// First pass at one point near a wall. Where the path was cut or the stencil thinned, the range is narrowed
   /// to the value itself, so that the second pass leaves it alone.
   template <int A>
@@ -151,20 +159,20 @@ struct Transport::Kernel {
     const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, -1.0F), -1.0F);
     for (std::size_t f = 0; f < out.size(); ++f) {
       out[f] = sample<A>(source[f], end);
-      if (end.clipped || out[f].thinned) out[f].low = out[f].high = out[f].value;
+      if (!sound(end) || out[f].thinned) out[f].low = out[f].high = out[f].value;
     }
   }
   /// Second pass at one point near a wall: the value carried back, or `first` where that is not sound.
   template <int A>
   void second_at_wall(int i, int j, int k, std::span<const Padded> first, std::span<float> back,
-                      std::span<bool> sound) const {
-    std::fill(sound.begin(), sound.end(), false);
+                      std::span<bool> usable) const {
+    std::fill(usable.begin(), usable.end(), false);
     if (held<A>(i, j, k)) return;
     const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, 1.0F), 1.0F);
     for (std::size_t f = 0; f < back.size(); ++f) {
       const WallSample s = sample<A>(first[f], end);
       back[f] = s.value;
-      sound[f] = !end.clipped && !s.thinned;
+      usable[f] = sound(end) && !s.thinned;
     }
   }
 
@@ -232,7 +240,7 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
   const std::size_t fields = source.size();
   parallel_chunks(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<float> back(fields);
-    const auto sound = std::make_unique<bool[]>(fields);
+    const auto usable = std::make_unique<bool[]>(fields);
     for (std::size_t row = begin; row < end; ++row) {
       const int j = int(row % size[1]), k = int(row / size[1]);
       for (int i = 0; i < size[0]; i += lanes) {
@@ -252,11 +260,11 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
         }
         for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
           const int lane = __builtin_ctz(near);
-          second_at_wall<A>(i + lane, j, k, first, back, std::span<bool>(sound.get(), fields));
+          second_at_wall<A>(i + lane, j, k, first, back, std::span<bool>(usable.get(), fields));
           for (std::size_t f = 0; f < fields; ++f) {
             const std::size_t here = source[f].index(i + lane, j, k);
             const float hat = first[f].data[here];
-            const float better = sound[f] ? hat + 0.5F * (source[f].data[here] - back[f]) : hat;
+            const float better = usable[f] ? hat + 0.5F * (source[f].data[here] - back[f]) : hat;
             result[f][row * size[0] + i + lane] = std::min(std::max(better, low[f].data[here]), high[f].data[here]);
           }
         }

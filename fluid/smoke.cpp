@@ -16,6 +16,7 @@ struct SmokeSolver::Impl {
   Confinement confinement;
   PressureSolver pressure;
   Padded lift_field;
+  DiffusionWork diffusion_work;
   std::vector<double> departed;
 
   explicit Impl(const SmokeParams& p)
@@ -47,10 +48,10 @@ void SmokeSolver::Impl::add_forces(SmokeState& state, const SmokeSources& source
 
 void SmokeSolver::Impl::diffuse_all(SmokeState& state, const Walls& walls, double dt, SmokeStepReport& report) {
   const DiffusionInput momentum = {.coefficient = params.viscosity, .dt = dt};
-  report.diffusion = diffuse(grid, params.sides, motion, walls, momentum, state.velocity);
+  report.diffusion = diffuse(grid, params.sides, motion, walls, momentum, state.velocity, diffusion_work);
   const DiffusionInput scalars = {.coefficient = params.diffusivity, .dt = dt};
   for (CellField* field : {&state.density, &state.temperature}) {
-    const SolveReport solve = diffuse(grid, params.sides, walls, scalars, *field);
+    const SolveReport solve = diffuse(grid, params.sides, walls, scalars, *field, diffusion_work);
     if (solve.iterations > report.diffusion.iterations || !solve.converged) report.diffusion = solve;
   }
 }
