@@ -44,7 +44,6 @@ TEST(Momentum, OfAFreeSheetIsKept) {
     const Vec3 linear = sheet.momentum(), angular = sheet.angular_momentum();
     sheet.step(1.0 / 60.0);
     EXPECT_LT((sheet.momentum() - linear).norm() / scale, 1e-12);
-    std::printf("angular change %.3e of %.3e\n", (sheet.angular_momentum() - angular).norm(), scale * 0.2);
     EXPECT_LT((sheet.angular_momentum() - angular).norm() / (scale * 0.2), 1e-10);
   }
 }
@@ -65,7 +64,6 @@ TEST(Pendulum, KeepsItsEnergy) {
   // Period 2π sqrt(L/g), 1.7 % longer at 30 degrees.
   sheet.run(10.0 * 1.017 * 2.0 * M_PI * std::sqrt(1.0 / 9.81), 1.0 / 60.0);
   const double after = sheet.energy() - rest;
-  std::printf("pendulum energy %.4f of the start\n", after / before);
   EXPECT_GT(after / before, 0.95);
   EXPECT_LT(after / before, 1.01);
 }

@@ -57,8 +57,6 @@ TEST(Rolled, OtherLatticesAgreeInTheMeanOverDirections) {
       const double ratio =
           rolled_energy(mesh, params, 0.5, k * M_PI / 16) / (params.bending * inner_area(mesh) * 2.0);
       mean += ratio / 16.0;
-      RecordProperty("lattice" + std::to_string(int(lattice)) + "_" + std::to_string(k), std::to_string(ratio));
-      std::printf("lattice %d  %6.2f deg  %.3f\n", int(lattice), k * 11.25, ratio);
     }
     EXPECT_NEAR(mean, 1.0, 0.03);
   }
@@ -120,7 +118,6 @@ TEST(Elastica, DropOfAHeavyCantilever) {
   for (const Elastica& e :
        {Elastica{0.1, 0.01250}, {1, 0.12347}, {2, 0.23851}, {5, 0.49591}, {10, 0.70020}, {20, 0.82988}}) {
     const double drop = cantilever_drop(e.G, 20, 1.0 / 60.0);
-    std::printf("G %5.1f drop %.5f (%.5f) %+.2f %%\n", e.G, drop, e.drop, 100.0 * (drop / e.drop - 1.0));
     EXPECT_NEAR(drop / e.drop, 1.0, 0.03) << "G = " << e.G;
   }
 }
@@ -148,7 +145,6 @@ TEST(Hanging, StripStretchesUnderItsOwnWeight) {
   const double expected = 9.81 / (2.0 * 2e3);  // w L²/(2k), k = Y t
   double stretch = 0.0;
   for (int i = 0; i < 3; ++i) stretch -= sheet.state.x[i].y() / 3.0;
-  std::printf("hanging %.6f expected %.6f\n", stretch, expected);
   EXPECT_NEAR(stretch / expected, 1.0, 0.02);
 }
 
@@ -176,7 +172,6 @@ TEST(Hanging, CatenaryOfAnInextensibleStrip) {
     sheet.step(1.0 / 60.0);
   }
   sheet.run(5.0, 1.0 / 60.0);
-  std::printf("catenary %.5f expected %.5f\n", -sheet.state.x[20].z(), sag);
   EXPECT_NEAR(-sheet.state.x[20].z() / sag, 1.0, 0.01);
 }
 
@@ -204,7 +199,6 @@ TEST(Membrane, UniaxialPull) {
     }
     sheet.run(4.0, 1.0 / 60.0);
     const double F = sheet.state.x[along_warp ? 65 : 115][axis];
-    std::printf("uniaxial F %.5f force ratio %.5f\n", F, k * (F * F - 1.0) / 2.0 * F / pull);
     EXPECT_NEAR(k * (F * F - 1.0) / 2.0 * F / pull, 1.0, 0.01);
   }
 }
