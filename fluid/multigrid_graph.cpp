@@ -1,6 +1,7 @@
 #include "fluid/multigrid_graph.h"
 
 #include <cmath>
+#include <cstring>
 
 #include "core/parallel.h"
 
@@ -103,21 +104,35 @@ class FaceMap {
     return weak(a, face) + (twice ? weak(a, twin) : 0.0F);
   }
 
-  /// Cells of row (j, k) that are solid or have a closed face, appended to `cells`.
-  void touched_in_row(int j, int k, std::vector<std::int32_t>& cells) const {
+  /// Cells of row (j, k) that are solid or have a closed face, appended to `cells`. `marks` is work space.
+  void touched_in_row(int j, int k, std::vector<std::uint8_t>& marks, std::vector<std::int32_t>& cells) const {
     const int nx = grid_.nx;
-    const auto& [cx, cy, cz] = walls_.closed;
-    const std::uint8_t* s = walls_.solid.data() + grid_.cell(0, j, k);
-    const std::uint8_t* x = cx.data() + grid_.face(0, 0, j, k);
-    const std::uint8_t *y0 = cy.data() + grid_.face(1, 0, j, k), *y1 = cy.data() + grid_.face(1, 0, j + 1, k);
-    const std::uint8_t *z0 = cz.data() + grid_.face(2, 0, j, k), *z1 = cz.data() + grid_.face(2, 0, j, k + 1);
-    std::uint8_t any = 0;
-    for (int i = 0; i < nx; ++i) any |= s[i] | x[i] | x[i + 1] | y0[i] | y1[i] | z0[i] | z1[i];
-    const bool wrapped = graph_.wraps[0] || (graph_.wraps[1] && (j == 0 || j == grid_.ny - 1)) ||
-                         (graph_.wraps[2] && (k == 0 || k == grid_.nz - 1));
-    if (any == 0 && !wrapped && !solid_beside(j, k)) return;
-    for (int i = 0; i < nx; ++i)
-      if (touched({i, j, k})) cells.push_back(graph_.box({i, j, k}));
+    marks.assign(nx + 8, 0);
+    const auto add = [&](const std::uint8_t* row) {
+      for (int i = 0; i < nx; ++i) marks[i] |= row[i];
+    };
+    // Faces of the row, and both copies of periodic ones.
+    const std::uint8_t* x = walls_.closed[0].data() + grid_.face(0, 0, j, k);
+    add(x);
+    add(x + 1);
+    if (graph_.wraps[0]) marks[0] |= x[nx], marks[nx - 1] |= x[0];
+    for (const int jj : {j, j + 1}) add_faces(1, jj, k, add);
+    for (const int kk : {k, k + 1}) add_faces(2, j, kk, add);
+    // Solid cells close their faces, marked or not.
+    const std::uint8_t* solids = walls_.solid.data() + grid_.cell(0, j, k);
+    add(solids);
+    for (int i = 1; i < nx; ++i) marks[i] |= solids[i - 1], marks[i - 1] |= solids[i];
+    if (graph_.wraps[0]) marks[0] |= solids[nx - 1], marks[nx - 1] |= solids[0];
+    for (const int side : {2, 3, 4, 5})
+      if (const std::int32_t other = graph_.beside({0, j, k}, side); other >= 0) add(walls_.solid.data() + other);
+
+    for (int i = 0; i < nx; i += 8) {
+      std::uint64_t eight;
+      std::memcpy(&eight, marks.data() + i, 8);
+      if (eight == 0) continue;
+      for (int m = i; m < std::min(i + 8, nx); ++m)
+        if (marks[m] != 0 && touched({m, j, k})) cells.push_back(graph_.box({m, j, k}));
+    }
   }
 
  private:
@@ -128,15 +143,14 @@ class FaceMap {
     return weak_[a].empty() ? 0.0F : weak_[a][grid_.face(a, face[0], face[1], face[2])];
   }
 
-  /// Solid cells whose faces were left unmarked still close them.
-  [[nodiscard]] bool solid_beside(int j, int k) const {
-    std::uint8_t any = 0;
-    for (const int side : {2, 3, 4, 5}) {
-      const std::int32_t other = graph_.beside({0, j, k}, side);
-      if (other < 0) continue;
-      for (int i = 0; i < grid_.nx; ++i) any |= walls_.solid[other + i];
-    }
-    return any != 0;
+  /// Adds the marks of a row of y or z faces, and of its other copy.
+  template <class Add>
+  void add_faces(int a, int j, int k, Add&& add) const {
+    add(walls_.closed[a].data() + grid_.face(a, 0, j, k));
+    Int3 at = {0, j, k};
+    if (!graph_.wraps[a] || (at[a] != 0 && at[a] != graph_.n[a])) return;
+    at[a] = graph_.n[a] - at[a];
+    add(walls_.closed[a].data() + grid_.face(a, 0, at[1], at[2]));
   }
 
   [[nodiscard]] bool touched(const Int3& at) const {
@@ -163,7 +177,8 @@ void build_finest(const Grid& grid, const Walls& walls, const std::vector<Graph:
   // Find the cells that walls touch, a plane at a time.
   std::vector<std::vector<std::int32_t>> touched(grid.nz);
   parallel_for(grid.nz, 2, [&](std::size_t k) {
-    for (int j = 0; j < grid.ny; ++j) faces.touched_in_row(j, static_cast<int>(k), touched[k]);
+    std::vector<std::uint8_t> marks;
+    for (int j = 0; j < grid.ny; ++j) faces.touched_in_row(j, static_cast<int>(k), marks, touched[k]);
   });
   for (const auto& plane : touched)
     for (const std::int32_t cell : plane) {
