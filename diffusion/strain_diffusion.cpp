@@ -223,6 +223,10 @@ void DiffusionSolver::Impl::close_budget(const Values& u, const DiffusionInput& 
     parallel_for(members.size(), chunk, [&](std::size_t k) { u_star[members[k]] *= factor; });
   }
 
+  // A vertex that holds nothing keeps its value.
+  for (std::size_t i = 0; i < u.size(); ++i)
+    if (op.storage[i] == 0.0) u_star[i] = u[i];
+
   // Vertices of no triangle stand alone: what their supply gave is plain.
   for (std::size_t i = 0; i < u.size(); ++i) {
     if (in.mesh->component[i] < 0 && mass[i] > 0.0)
