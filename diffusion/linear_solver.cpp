@@ -57,7 +57,7 @@ struct FactorKey {
 /// agree.
 FactorKey make_key(const SheetMatrix& a) {
   FactorKey key;
-  key.diffusion = std::exp2(std::round(4.0 * std::log2(a.diffusion)) / 4.0);
+  key.diffusion = a.constant ? a.diffusion : std::exp2(std::round(4.0 * std::log2(a.diffusion)) / 4.0);
   key.supply.resize(a.storage.size());
   for (std::size_t i = 0; i < key.supply.size(); ++i)
     key.supply[i] =
@@ -72,11 +72,13 @@ double estimated_iterations(const SheetMatrix& a, double tolerance) {
   if (n == 0) return 0.0;
   const double root =
       sum_of(n, [&](std::size_t i) { return std::sqrt(a.diagonal[i] / a.row_sum[i]); }) / static_cast<double>(n);
-  return 0.25 * std::sqrt(2.0) * root * std::log(2.0 / tolerance);
+  // Constant matrices are smoothing kernels: their solves start from nothing.
+  const double start = a.constant ? 1.0 : 0.5;
+  return start * std::sqrt(0.5) * root * std::log(2.0 / tolerance);
 }
 
 struct LinearSolver::Impl {
-  Values residual, direction, preconditioned, product, inverse_diagonal, shifted;
+  Values residual, direction, preconditioned, product, inverse_diagonal, row_weight, shifted;
   std::vector<Pair> partial;
   Eigen::SparseMatrix<double> lower;
   Factor factor;
@@ -146,24 +148,32 @@ struct LinearSolver::Impl {
                        Pair p;
                        for (std::size_t i = begin; i < end; ++i) {
                          residual[i] = rhs[i] - row_product(a, v, i);
-                         const double weighted = residual[i] * (a.storage[i] / a.row_sum[i]);
+                         const double weighted = residual[i] * row_weight[i];
                          p.first += weighted * weighted;
                        }
                        return p;
                      }).first);
   }
 
-  /// z = P⁻¹ r; returns (r.z, weighted r.r).
-  Pair precondition(const SheetMatrix& a, bool factored) {
+  /// v += step * direction, r -= step * A direction and z = P⁻¹ r; returns (r.z, weighted r.r).
+  Pair advance(bool factored, double step, Values& v) {
+    const auto update = [&](std::size_t i) {
+      v[i] += step * direction[i];
+      residual[i] -= step * product[i];
+    };
     if (factored) {
+      parallel_for(v.size(), chunk, update);
       const Eigen::Map<const Eigen::VectorXd> r(residual.data(), static_cast<Eigen::Index>(residual.size()));
       Eigen::Map<Eigen::VectorXd>(preconditioned.data(), r.size()) = factor.solve(r);
     }
-    return pair_sum(residual.size(), partial, [&](std::size_t begin, std::size_t end) {
+    return pair_sum(v.size(), partial, [&](std::size_t begin, std::size_t end) {
       Pair p;
       for (std::size_t i = begin; i < end; ++i) {
-        if (!factored) preconditioned[i] = residual[i] * inverse_diagonal[i];
-        const double weighted = residual[i] * (a.storage[i] / a.row_sum[i]);
+        if (!factored) {
+          update(i);
+          preconditioned[i] = residual[i] * inverse_diagonal[i];
+        }
+        const double weighted = residual[i] * row_weight[i];
         p.first += residual[i] * preconditioned[i];
         p.second += weighted * weighted;
       }
@@ -174,7 +184,9 @@ struct LinearSolver::Impl {
   /// Preconditioned conjugate gradients from v, whose residual is in place; stops at `target` or after `limit`.
   int iterate(const SheetMatrix& a, bool factored, double target, int limit, Values& v) {
     const std::size_t n = v.size();
-    Pair rho = precondition(a, factored);
+    direction.assign(n, 0.0);
+    product.assign(n, 0.0);
+    Pair rho = advance(factored, 0.0, v);
     direction = preconditioned;
     for (int iteration = 1; iteration <= limit; ++iteration) {
       const double curvature = pair_sum(n, partial, [&](std::size_t begin, std::size_t end) {
@@ -186,12 +198,7 @@ struct LinearSolver::Impl {
                                  return p;
                                }).first;
       if (!(curvature > 0.0)) return iteration;
-      const double step = rho.first / curvature;
-      parallel_for(n, chunk, [&](std::size_t i) {
-        v[i] += step * direction[i];
-        residual[i] -= step * product[i];
-      });
-      const Pair next = precondition(a, factored);
+      const Pair next = advance(factored, rho.first / curvature, v);
       if (!(next.first > 0.0) || std::sqrt(next.second) <= target) return iteration;
       const double beta = next.first / rho.first;
       parallel_for(n, chunk, [&](std::size_t i) { direction[i] = preconditioned[i] + beta * direction[i]; });
@@ -224,15 +231,15 @@ SolveReport LinearSolver::solve(const SheetMatrix& a, const Values& rhs, double 
   const auto start = std::chrono::steady_clock::now();
   Impl& s = *impl_;
   const std::size_t n = rhs.size();
-  for (Values* field : {&s.residual, &s.preconditioned, &s.product, &s.inverse_diagonal, &s.shifted})
+  for (Values* field : {&s.residual, &s.preconditioned, &s.inverse_diagonal, &s.row_weight, &s.shifted})
     field->resize(n);
 
   // Take the mean out: A (m + v) = b becomes A v = b - (row sum) m.
   const Values mean = split_mean(a, rhs);
   Values v(n);
-  double scale = 0.0;
-  scale = std::sqrt(sum_of(n, [&](std::size_t i) {
-    const double weighted = rhs[i] * (a.storage[i] / a.row_sum[i]);
+  parallel_for(n, chunk, [&](std::size_t i) { s.row_weight[i] = a.storage[i] / a.row_sum[i]; });
+  const double scale = std::sqrt(sum_of(n, [&](std::size_t i) {
+    const double weighted = rhs[i] * s.row_weight[i];
     return weighted * weighted;
   }));
   parallel_for(n, chunk, [&](std::size_t i) {
@@ -246,7 +253,7 @@ SolveReport LinearSolver::solve(const SheetMatrix& a, const Values& rhs, double 
   // Start from the guess or from the mean, whichever is nearer.
   double norm = s.true_residual(a, s.shifted, v);
   const double norm_of_mean = std::sqrt(sum_of(n, [&](std::size_t i) {
-    const double weighted = s.shifted[i] * (a.storage[i] / a.row_sum[i]);
+    const double weighted = s.shifted[i] * s.row_weight[i];
     return weighted * weighted;
   }));
   if (!(norm <= norm_of_mean)) {

@@ -156,9 +156,15 @@ void assemble(const SheetGraph& graph, const SheetOperator& op, double diffusion
   matrix.diffusion = diffusion;
   for (auto* field : {&matrix.storage, &matrix.row_sum, &matrix.diagonal}) field->resize(vertices);
   matrix.entry.resize(graph.column.size());
+  // Vertices that hold nothing get a storage that weighs nothing in sums, yet keeps the matrix regular.
+  const double most = parallel_max(vertices, chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+    return *std::max_element(op.storage.begin() + static_cast<std::ptrdiff_t>(begin),
+                             op.storage.begin() + static_cast<std::ptrdiff_t>(end));
+  });
+  const double nothing = most > 0.0 ? 1e-20 * most : 1.0;
   parallel_for(vertices, chunk, [&](std::size_t i) {
     const bool holds = op.storage[i] > 0.0;
-    matrix.storage[i] = holds ? op.storage[i] : 1.0;
+    matrix.storage[i] = holds ? op.storage[i] : nothing;
     matrix.row_sum[i] = matrix.storage[i] + (holds && !extra.empty() ? extra[i] : 0.0);
     double sum = 0.0;
     for (std::int32_t k = graph.offset[i]; k < graph.offset[i + 1]; ++k) {

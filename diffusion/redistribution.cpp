@@ -113,18 +113,27 @@ bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members
 RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, const Kernel& kernel,
                       std::vector<double>& u) {
   RescaleResult result;
-  if (params.scope == Scope::local || params.scope == Scope::local_front) {
-    const bool idle = std::all_of(in.c->begin(), in.c->end(), [](double c) { return c == 0.0; });
+  std::vector<double> before;
+  const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
+  if (local && std::any_of(in.c->begin(), in.c->end(), [](double c) { return c > 0.0; })) {
     static const std::vector<std::uint8_t> everywhere;
-    if (!idle)
-      result.rescale =
-          redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);
+    before = u;
+    result.rescale =
+        redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);
   }
   const VertexGroups& groups = params.scope == Scope::global ? *in.whole : *in.components;
   for (std::size_t g = 0; g < groups.count(); ++g) {
     const auto members = groups[g];
     const double star = sum_over(members, [&](std::size_t i) { return (*in.weight)[i] * (*in.u_star)[i]; });
     const double target = target_total(params, in, members, star);
+    // The local form keeps Σ M u up to what the clamp adds. Where C is so large that this drowns in rounding, share
+    // by v = u* + C over the component instead.
+    if (!before.empty()) {
+      const double kept = sum_over(members, [&](std::size_t i) { return (*in.mass)[i] * u[i]; });
+      const double held = sum_over(members, [&](std::size_t i) { return (*in.mass)[i] * (*in.u_star)[i]; });
+      if (!(kept >= 0.5 * held && kept <= 100.0 * held))
+        for (const std::int32_t i : members) u[i] = before[i];
+    }
     Projection done;
     if (params.scope != Scope::front || !rescale_front(in, members, target - star, u, done))
       done = project_total(members, *in.weight, target, in.capacity, u);

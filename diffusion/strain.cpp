@@ -18,7 +18,8 @@ Mat2 green_strain(const solid::ShellMesh& mesh, const std::vector<Vec3>& x, std:
 
 double strain_measure(Mat2 g, Measure measure, bool tension_only) {
   // Principal strains: mean ± half their difference.
-  const double mean = 0.5 * (g(0, 0) + g(1, 1)), half = std::hypot(0.5 * (g(0, 0) - g(1, 1)), g(0, 1));
+  const double mean = 0.5 * (g(0, 0) + g(1, 1)), quarter = 0.5 * (g(0, 0) - g(1, 1));
+  const double half = std::sqrt(quarter * quarter + g(0, 1) * g(0, 1));
   double e1 = mean + half, e2 = mean - half;
   if (tension_only) {
     // Keep the principal directions: G = mean I + half N with N traceless and of unit size.

@@ -22,7 +22,8 @@ void check(const DiffusionParams& p, const DiffusionInput& in, Values u, double 
     const DiffusionReport r = solver.step(u, in, dt);
     ASSERT_LT(budget_error(r), closed) << "dt " << dt << " alpha " << p.alpha << " sigma " << p.sigma;
     for (const double v : u) ASSERT_TRUE(std::isfinite(v) && v >= 0.0) << v;
-    ASSERT_TRUE(r.solve.converged) << "dt " << dt << " alpha " << p.alpha << ' ' << r.solve.residual_after << " after " << r.solve.iterations;
+    ASSERT_TRUE(r.solve.converged) << "dt " << dt << " alpha " << p.alpha << ' ' << r.solve.residual_after
+                                   << " after " << r.solve.iterations;
     if (p.model == Model::isotropic && p.sigma == 1.0) {
       ASSERT_LE(testing::largest(u), top * (1.0 + 1e-7));
     }

@@ -33,7 +33,8 @@ Vec3 second_moments(const Sheet& s, const Values& u) {
 }
 
 Values gaussian(const Sheet& s, double variance) {
-  return s.field([&](const Vec3& p) { return std::exp(-(p - Vec3(0.5, 0.5, 0)).squaredNorm() / (2.0 * variance)); });
+  return s.field(
+      [&](const Vec3& p) { return std::exp(-(p - Vec3(0.5, 0.5, 0)).squaredNorm() / (2.0 * variance)); });
 }
 
 struct MomentCase {
@@ -43,13 +44,16 @@ struct MomentCase {
 };
 
 TEST(HeatKernel, SecondMomentsGrowAtTwiceTheDiffusivity) {
-  // Backward Euler on an unbounded lattice: <x²> grows by 2 α dt per step exactly. The sheet ends 7 standard deviations away.
+  // Backward Euler on an unbounded lattice: <x²> grows by 2 α dt per step exactly. The sheet ends 7 standard
+  // deviations away.
   const Sheet s(testing::sheet(93, 107));
   const double alpha = 0.01, dt = 0.01;
   const int steps = 10;
   const Values u0 = gaussian(s, 0.003);
-  for (const MomentCase& c : {MomentCase{"cotan", Operator::cotan, 2.0, 1.0, 0.01}, MomentCase{"umbrella 2", Operator::umbrella, 2.0, 1.0, 0.01},
-                              MomentCase{"umbrella literal", Operator::umbrella, 1.0, 0.5, 0.005}, MomentCase{"graph", Operator::graph, 2.0, 1.0, 0.02}}) {
+  for (const MomentCase& c : {MomentCase{"cotan", Operator::cotan, 2.0, 1.0, 0.01},
+                              MomentCase{"umbrella 2", Operator::umbrella, 2.0, 1.0, 0.01},
+                              MomentCase{"umbrella literal", Operator::umbrella, 1.0, 0.5, 0.005},
+                              MomentCase{"graph", Operator::graph, 2.0, 1.0, 0.02}}) {
     DiffusionParams p = plain_diffusion(alpha);
     p.discretisation = c.kind;
     p.umbrella_factor = c.factor;
@@ -66,7 +70,8 @@ TEST(HeatKernel, ClampedCotanOnAJitteredMeshStaysWithinOnePercent) {
   for (const bool clamp : {true, false}) {
     DiffusionParams p = plain_diffusion(0.01);
     p.clamp_weights = clamp;
-    const Vec3 growth = (second_moments(s, advance(s, p, u0, 0.01, 10)) - second_moments(s, u0)) / (2.0 * 0.01 * 0.1);
+    const Vec3 growth =
+        (second_moments(s, advance(s, p, u0, 0.01, 10)) - second_moments(s, u0)) / (2.0 * 0.01 * 0.1);
     RecordProperty(clamp ? "clamped" : "plain", std::to_string(growth[0]));
     EXPECT_NEAR(growth[0], 1.0, 0.01) << clamp;
     EXPECT_NEAR(growth[1], 1.0, 0.01) << clamp;
@@ -124,8 +129,10 @@ TEST(SphericalHarmonics, CotanDecaysAtTheRightRateWithSecondOrder) {
     if (l <= 4) {
       EXPECT_LT(std::abs(e5), 0.01) << l;
     }
-    EXPECT_NEAR(std::log2(std::abs(e3 / e4)), 2.0, 0.3) << l << ' ' << e3 << ' ' << e4;
-    EXPECT_NEAR(std::log2(std::abs(e4 / e5)), 2.0, 0.3) << l << ' ' << e4 << ' ' << e5;
+    // At least second order; l = 1 reaches fourth on the regular icosphere.
+    EXPECT_GT(std::log2(std::abs(e3 / e4)), 1.8) << l << ' ' << e3 << ' ' << e4;
+    EXPECT_GT(std::log2(std::abs(e4 / e5)), 1.8) << l << ' ' << e4 << ' ' << e5;
+    std::printf("  l = %d: relative error of the rate %.1e %.1e %.1e at levels 3, 4, 5\n", l, e3, e4, e5);
   }
 }
 
@@ -225,7 +232,8 @@ TEST(LinearSolver, AgreesWithADenseSolveOverTwelveDecades) {
     Values rhs(n), x(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) {
       dense[i][i] = y.matrix.diagonal[i];
-      for (int k = y.graph.offset[i]; k < y.graph.offset[i + 1]; ++k) dense[i][y.graph.column[k]] = y.matrix.entry[k];
+      for (int k = y.graph.offset[i]; k < y.graph.offset[i + 1]; ++k)
+        dense[i][y.graph.column[k]] = y.matrix.entry[k];
       rhs[i] = y.s.mass[i] * hash_unit(3, i);
     }
     const Values exact = eliminate(dense, rhs);

@@ -44,15 +44,23 @@ TEST(Rescale, WorkedExampleOfTheArticle) {
 }
 
 /// Runs Eqs (8c)-(8g) on given u* and C with weight 1.
-Values run_rescale(DiffusionParams p, const Values& star, const Values& c, double cap = 0.0, RescaleResult* out = nullptr,
-                   const Kernel& kernel = {}) {
+Values run_rescale(DiffusionParams p, const Values& star, const Values& c, double cap = 0.0,
+                   RescaleResult* out = nullptr, const Kernel& kernel = {}) {
   const VertexGroups group = one_group(star.size());
   const Values one(star.size(), 1.0), none(star.size(), 0.0);
   const auto front = front_band(p, star, nullptr);
   Values masked = c, u = star;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += masked[i] *= front[i];
-  const RescaleInput in{.components = &group, .whole = &group, .mass = &one, .weight = &one, .u_star = &star,
-                        .c = &masked, .front = &front, .supply = &none, .capacity = cap, .dt = 0.1};
+  const RescaleInput in{.components = &group,
+                        .whole = &group,
+                        .mass = &one,
+                        .weight = &one,
+                        .u_star = &star,
+                        .c = &masked,
+                        .front = &front,
+                        .supply = &none,
+                        .capacity = cap,
+                        .dt = 0.1};
   const RescaleResult result = rescale(p, in, kernel, u);
   if (out != nullptr) *out = result;
   return u;
@@ -86,7 +94,9 @@ TEST(Rescale, FrontScopeLeavesTheRestAlone) {
 
 TEST(Rescale, LocalScopeWithAKernelOfOnesIsTheLiteralRescaling) {
   const Values star = {0.0, 0.2, 0.5, 1.0}, c(4, 0.1);
-  const Kernel ones = [](const Values& rhs) { return Values(rhs.size(), std::accumulate(rhs.begin(), rhs.end(), 0.0)); };
+  const Kernel ones = [](const Values& rhs) {
+    return Values(rhs.size(), std::accumulate(rhs.begin(), rhs.end(), 0.0));
+  };
   DiffusionParams p = global_band(0.1, 0.9);
   const Values literal = run_rescale(p, star, c);
   p.scope = Scope::local;

@@ -13,7 +13,8 @@ using testing::Values;
 
 /// Right triangle (0,0), (1,0), (0,1) of area 1/2.
 solid::ShellMesh unit_triangle() {
-  return solid::build_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}, {{0, 1, 2}});
+  return solid::build_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)},
+                           {{0, 1, 2}});
 }
 
 double measure(const solid::ShellMesh& mesh, const std::vector<Vec3>& x, Measure m, bool tension = false) {
@@ -162,14 +163,16 @@ TEST(Strain, BendingTermSeesTheCurvatureOfARoll) {
   const double radius = 0.4;
   const solid::ShellMesh mesh = testing::sheet(60, 60);
   std::vector<Vec3> x;
-  for (const Vec3& v : mesh.rest) x.emplace_back(radius * std::sin(v.x() / radius), v.y(), radius * std::cos(v.x() / radius));
+  for (const Vec3& v : mesh.rest)
+    x.emplace_back(radius * std::sin(v.x() / radius), v.y(), radius * std::cos(v.x() / radius));
   DiffusionParams with, without;
   with.bending_gain = 1e-3;
   Values a, b;
   triangle_strain(with, mesh, x, nullptr, a);
   triangle_strain(without, mesh, x, nullptr, b);
   for (std::size_t t = 0; t < a.size(); ++t) {
-    const Vec3 center = (mesh.rest[mesh.triangles[t][0]] + mesh.rest[mesh.triangles[t][1]] + mesh.rest[mesh.triangles[t][2]]) / 3.0;
+    const Vec3 center =
+        (mesh.rest[mesh.triangles[t][0]] + mesh.rest[mesh.triangles[t][1]] + mesh.rest[mesh.triangles[t][2]]) / 3.0;
     if (center.x() < 0.1 || center.x() > 0.9 || center.y() < 0.1 || center.y() > 0.9) continue;
     EXPECT_NEAR((a[t] - b[t]) / (1e-3 / (radius * radius)), 1.0, 0.01);
   }

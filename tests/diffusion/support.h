@@ -41,7 +41,9 @@ inline std::vector<Vec3> crumple(const solid::ShellMesh& mesh, double amplitude 
   return x;
 }
 
-inline Values areas(const solid::ShellMesh& mesh) { return mesh.vertex_area; }
+inline Values areas(const solid::ShellMesh& mesh) {
+  return mesh.vertex_area;
+}
 
 /// One sheet with everything that a step needs.
 struct Sheet {
@@ -65,7 +67,8 @@ struct Sheet {
 /// Relative error of after = before + supplied - lost + sigma_source - excess.
 inline double budget_error(const DiffusionReport& r) {
   const double expected = r.before + r.supplied - r.lost + r.sigma_source - r.excess;
-  const double scale = std::max({std::abs(r.before), std::abs(r.supplied), std::abs(r.after), std::abs(r.sigma_source), 1e-290});
+  const double scale =
+      std::max({std::abs(r.before), std::abs(r.supplied), std::abs(r.after), std::abs(r.sigma_source), 1e-290});
   return std::abs(r.after - expected) / scale;
 }
 
@@ -75,8 +78,12 @@ inline double rms(const Values& a, const Values& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-inline double largest(const Values& a) { return *std::max_element(a.begin(), a.end()); }
-inline double smallest(const Values& a) { return *std::min_element(a.begin(), a.end()); }
+inline double largest(const Values& a) {
+  return *std::max_element(a.begin(), a.end());
+}
+inline double smallest(const Values& a) {
+  return *std::min_element(a.begin(), a.end());
+}
 
 /// Isotropic linear diffusion with tight solves.
 inline DiffusionParams plain_diffusion(double alpha) {
