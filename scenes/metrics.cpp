@@ -13,7 +13,8 @@ namespace {
 
 /// Whole numbers are stored as such.
 bool is_count(const std::string& path) {
-  return path == "/frame" || path == "/substeps" || path == "/unconverged_solves" || path.ends_with("/iterations");
+  return path == "/frame" || path == "/substeps" || path == "/unconverged_solves" || path == "/lengthened_steps" ||
+         path.ends_with("/iterations");
 }
 
 /// What a frame that does not name `path` has there.
@@ -77,6 +78,7 @@ Metrics::Row metrics_row(const coupling::World& world, const coupling::FrameRepo
   row["/time"] = world.time();
   row["/substeps"] = report.substeps;
   row["/unconverged_solves"] = report.unconverged_solves;
+  row["/lengthened_steps"] = report.lengthened_steps;
   row["/memory/peak_rss_bytes"] = static_cast<double>(peak_memory());
   for (const auto& [stage, seconds] : report.seconds) row["/timing/" + stage] = seconds;
   for (const auto& [solver, solve] : report.solves) {

@@ -1,0 +1,188 @@
+/// A run that is stopped, killed, starved of disk or damaged goes on to the state that an undisturbed one reaches.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/noise.h"
+#include "scenes/checkpoint.h"
+#include "scenes/run_folder.h"
+#include "tests/scenes/program.h"
+
+namespace wick::test {
+
+namespace {
+
+using scenes::Checkpoint;
+using scenes::checkpoint_frames;
+using scenes::checkpoint_name;
+
+constexpr int frames = 24;
+
+class Interruption : public testing::Test {
+ protected:
+  Interruption() { spit(folder_ / "small.json", small_scene); }
+
+  [[nodiscard]] static std::vector<std::string> arguments(const std::string& out, int count = frames) {
+    return {"run", "small.json", "--out", out, "--frames", std::to_string(count), "--quiet"};
+  }
+  int run(const std::string& out, int count = frames, const std::vector<std::string>& more = {},
+          const std::function<void()>& prepare = {}) {
+    std::vector<std::string> all = arguments(out, count);
+    all.insert(all.end(), more.begin(), more.end());
+    Program program(folder_, all, prepare);
+    const int code = program.wait();
+    error_ = program.err();
+    return code;
+  }
+  [[nodiscard]] nlohmann::json record(const std::string& out) const {
+    return nlohmann::json::parse(slurp(folder_ / out / "run.json"));
+  }
+  [[nodiscard]] std::string hash(const std::string& out) const { return record(out)["state_hash"]; }
+
+  /// Meshes are the same bytes; volumes carry a random identifier in bytes 22 to 57 and are otherwise the same.
+  void expect_same_outputs(const std::string& a, const std::string& b) {
+    EXPECT_EQ(hash(a), hash(b));
+    for (const std::string& file : files_below(folder_ / a)) {
+      if (!file.ends_with(".ply") && !file.ends_with(".vdb")) continue;
+      std::string one = slurp(folder_ / a / file), two = slurp(folder_ / b / file);
+      if (file.ends_with(".vdb")) {
+        one.erase(22, 36);
+        two.erase(22, 36);
+      }
+      EXPECT_TRUE(one == two) << file;
+    }
+  }
+  void wait_for(const fs::path& file) const {
+    for (int tries = 0; tries < 3000 && !fs::exists(folder_ / file.string()); ++tries)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+
+  TemporaryFolder folder_;
+  std::string error_;
+};
+
+TEST_F(Interruption, MoreFramesGoOnWhereTheRunEnded) {
+  ASSERT_EQ(run("whole", 9), 0);
+  ASSERT_EQ(run("parts", 4), 0);
+  ASSERT_EQ(run("parts", 9), 0);
+  expect_same_outputs("whole", "parts");
+  EXPECT_EQ(run("parts", 9), 0);
+  EXPECT_EQ(run("parts", 5), 0);
+  EXPECT_EQ(record("parts")["frames"], 9);
+}
+
+TEST_F(Interruption, StopsOnRequestAndGoesOn) {
+  ASSERT_EQ(run("whole"), 0);
+  for (const int signal : {SIGTERM, SIGINT, SIGUSR2}) {
+    const std::string out = "stopped" + std::to_string(signal);
+    Program program(folder_, arguments(out));
+    wait_for(out + "/meshes/paper.0004.ply");
+    program.signal(signal);
+    ASSERT_EQ(program.wait(), 75) << program.err();
+    EXPECT_EQ(record(out)["outcome"], "checkpointed");
+    EXPECT_EQ(checkpoint_frames(folder_ / out / "checkpoints").front(), record(out)["frames"].get<int>());
+    ASSERT_EQ(run(out), 0) << error_;
+    expect_same_outputs("whole", out);
+  }
+}
+
+TEST_F(Interruption, WritesACheckpointOnRequestAndGoesOn) {
+  Program program(folder_, {"run", "small.json", "--out", "a", "--frames", "60", "--quiet", "--set",
+                            "/output/checkpoint={\"every\": 0, \"keep\": 10}"});
+  wait_for("a/meshes/paper.0004.ply");
+  program.signal(SIGUSR1);
+  ASSERT_EQ(program.wait(), 0);
+  const std::vector<int> found = checkpoint_frames(folder_ / "a/checkpoints");
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_EQ(found.front(), 60);
+  EXPECT_EQ(found.back(), 1);
+}
+
+/// Killed at any moment, writes included: no visible file is half-made, and the next run reaches the same state.
+TEST_F(Interruption, SurvivesBeingKilled) {
+  ASSERT_EQ(run("whole"), 0);
+  int killed = 0;
+  for (std::uint64_t n = 0; n < 25; ++n) {
+    Program program(folder_, arguments("killed"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + hash_index(5, n) % 200));
+    program.signal(SIGKILL);
+    const int code = program.wait();
+    killed += code == 128 + SIGKILL;
+    for (const int frame : checkpoint_frames(folder_ / "killed/checkpoints"))
+      EXPECT_NO_THROW(Checkpoint(folder_ / "killed/checkpoints" / checkpoint_name(frame))) << frame;
+    if (code == 0) fs::remove_all(folder_ / "killed");
+  }
+  EXPECT_GT(killed, 5);
+  ASSERT_EQ(run("killed"), 0) << error_;
+  expect_same_outputs("whole", "killed");
+  for (const std::string& file : files_below(folder_ / "killed")) EXPECT_FALSE(file.ends_with(".tmp")) << file;
+}
+
+TEST_F(Interruption, FallsBackToTheCheckpointBefore) {
+  ASSERT_EQ(run("whole", 8), 0);
+  ASSERT_EQ(run("a", 6), 0);
+  const fs::path newest = folder_ / "a/checkpoints" / checkpoint_name(6);
+  std::string bytes = slurp(newest);
+  bytes[bytes.size() / 2] ^= 1;
+  spit(newest, bytes);
+  ASSERT_EQ(run("a", 8), 0);
+  expect_same_outputs("whole", "a");
+  EXPECT_NE(record("a")["warnings"].dump().find("checksum is wrong"), std::string::npos);
+}
+
+TEST_F(Interruption, BeginsAnewWhenEveryCheckpointIsDamaged) {
+  ASSERT_EQ(run("whole", 8), 0);
+  ASSERT_EQ(run("a", 6), 0);
+  for (const int frame : checkpoint_frames(folder_ / "a/checkpoints"))
+    spit(folder_ / "a/checkpoints" / checkpoint_name(frame), "damaged");
+  ASSERT_EQ(run("a", 8), 0);
+  expect_same_outputs("whole", "a");
+}
+
+TEST_F(Interruption, KeepsRunsOfDifferentScenesApart) {
+  ASSERT_EQ(run("a", 3), 0);
+  const std::vector<std::string> other{"--set", "/fps=30"};
+  EXPECT_EQ(run("a", 4, other), 73);
+  EXPECT_NE(error_.find("/fps was 24.0, is 30.0"), std::string::npos) << error_;
+  fs::remove_all(folder_ / "a/checkpoints");
+  EXPECT_EQ(run("a", 4, other), 73) << "run.json still tells whose folder it is";
+  EXPECT_EQ(run("a", 4, {"--set", "/output/checkpoint/every=3"}), 0) << "what may change is no other scene";
+  EXPECT_EQ(run("a", 2, {"--set", "/fps=30", "--restart"}), 0);
+  EXPECT_FALSE(fs::exists(folder_ / "a/meshes/paper.0003.ply")) << "frames of the earlier run are gone";
+}
+
+TEST_F(Interruption, KeepsASecondRunOut) {
+  Program first(folder_, arguments("a", 100));
+  wait_for("a/meshes/paper.0002.ply");
+  EXPECT_EQ(run("a", 100), 73);
+  EXPECT_NE(error_.find("is in use by host "), std::string::npos) << error_;
+  first.signal(SIGKILL);
+  first.wait();
+  EXPECT_TRUE(fs::exists(folder_ / "a/run.lock")) << "the killed run left its lock behind";
+  EXPECT_EQ(run("a", 3), 0) << "which holds nobody up";
+}
+
+TEST_F(Interruption, SaysThatTheDiskIsFull) {
+  ASSERT_EQ(run("whole"), 0);
+  ASSERT_EQ(run("a", 6), 0);
+  // Metrics and meshes stay small; the checkpoint is the first that no longer fits.
+  const auto size = static_cast<rlim_t>(fs::file_size(folder_ / "a/checkpoints" / checkpoint_name(6)));
+  const int code = run("a", frames, {}, [&] {
+    const rlimit limit{size / 2, size / 2};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(code, 74) << error_;
+  EXPECT_NE(error_.find(" bytes (File too large)"), std::string::npos) << error_;
+  EXPECT_EQ(checkpoint_frames(folder_ / "a/checkpoints").front(), 6);
+  EXPECT_EQ(record("a")["outcome"], "failed");
+  for (const std::string& file : files_below(folder_ / "a")) EXPECT_FALSE(file.ends_with(".tmp")) << file;
+  ASSERT_EQ(run("a"), 0);
+  expect_same_outputs("whole", "a");
+}
+
+}  // namespace
+
+}  // namespace wick::test

@@ -1,0 +1,154 @@
+/// The program from outside: exit codes, what it says, and what it leaves on the disk.
+#include "tests/scenes/program.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace wick::test {
+
+namespace {
+
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+/// A folder with small.json in it, where programs are run.
+class ProgramTest : public testing::Test {
+ protected:
+  ProgramTest() { spit(folder_ / "small.json", small_scene); }
+  Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) {
+    Program program(folder_, arguments, prepare);
+    const int code = program.wait();
+    return {code, program.out(), program.err()};
+  }
+  [[nodiscard]] nlohmann::json record(const std::string& out = "out/small") const {
+    return nlohmann::json::parse(slurp(folder_ / out / "run.json"));
+  }
+  TemporaryFolder folder_;
+};
+
+using Command = ProgramTest;
+
+TEST_F(Command, RunsASceneAndLeavesTheContractedFiles) {
+  const Outcome outcome = run({"run", "small.json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* file :
+       {"scene.json", "run.json", "metrics.h5", "volumes/smoke.0001.vdb", "volumes/smoke.0006.vdb",
+        "meshes/paper.0001.ply", "meshes/paper.0006.ply", "checkpoints/0006.h5"})
+    EXPECT_TRUE(fs::exists(folder_ / "out/small" / file)) << file;
+  EXPECT_FALSE(fs::exists(folder_ / "out/small/volumes/smoke.0007.vdb"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/small/run.lock"));
+  const nlohmann::json json = record();
+  EXPECT_EQ(json["outcome"], "done");
+  EXPECT_EQ(json["frames"], 6);
+  EXPECT_EQ(json["state_hash"].get<std::string>().size(), 16U);
+  for (const char* key :
+       {"version", "models", "threads", "wall_s", "peak_rss_bytes", "unconverged_solves", "warnings"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_NE(outcome.err.find("frame 6/6"), std::string::npos);
+  EXPECT_NE(outcome.out.find("whole run"), std::string::npos);
+}
+
+TEST_F(Command, EffectiveSceneGivesTheSameRun) {
+  ASSERT_EQ(run({"run", "small.json", "--quiet"}).code, 0);
+  ASSERT_EQ(run({"run", "out/small/scene.json", "--out", "again", "--quiet"}).code, 0);
+  EXPECT_EQ(record("again")["state_hash"], record()["state_hash"]);
+}
+
+TEST_F(Command, GivesTheSameStateAtAnyThreadCount) {
+  ASSERT_EQ(run({"run", "small.json", "--threads", "1", "--out", "one", "--quiet"}).code, 0);
+  ASSERT_EQ(run({"run", "small.json", "--threads", "2", "--out", "two", "--quiet"}).code, 0);
+  EXPECT_EQ(record("one")["state_hash"], record("two")["state_hash"]);
+  for (const char* file : {"meshes/paper.0006.ply"})
+    EXPECT_EQ(slurp(folder_ / "one" / file), slurp(folder_ / "two" / file));
+}
+
+TEST_F(Command, IsQuietWhenAsked) {
+  const Outcome outcome = run({"run", "small.json", "--frames", "2", "--quiet"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out + outcome.err, "");
+}
+
+TEST_F(Command, LeavesNothingOfAnInvalidScene) {
+  const auto refused = [&](const std::vector<std::string>& arguments, int code, const std::string& part) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder_ / "out"));
+  };
+  refused({"run", "small.json", "--set", "/smoke/resolutoin=[8,8,8]"}, 65,
+          "small.json: /smoke/resolutoin: unknown key");
+  refused({"run", "small.json", "--set", "/fps=0"}, 65, "/fps: 0 is out of range");
+  refused({"check", "small.json", "--set", "/frames=none"}, 65, "/frames: expected a whole number");
+  refused({"run", "small.json", "--set", "frames=3"}, 64, "is not /pointer=value");
+  refused({"run", "none.json"}, 66, "no such file");
+  refused({"run", "small.json", "--set", "/shells/0/mesh={\"kind\": \"file\", \"file\": \"none.ply\"}"}, 66,
+          "none.ply");
+  refused({"run", "small.json", "--set", "/smoke/resolution=[4000,4000,4000]"}, 77,
+          "/smoke/resolution: needs about");
+  refused({"explain", "/nothing/like/it"}, 64, "no parameter");
+}
+
+TEST_F(Command, RefusesABadCommandLine) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"walk"},
+                                             {"run"},
+                                             {"run", "small.json", "--frames", "0"},
+                                             {"run", "small.json", "--unknown"},
+                                             {"run", "small.json", "--threads", "x"}})
+    EXPECT_EQ(run(arguments).code, 64);
+  EXPECT_EQ(run({"--help"}).code, 0);
+  EXPECT_EQ(run({"--version"}).code, 0);
+}
+
+TEST_F(Command, AnswersWithoutRunning) {
+  EXPECT_EQ(run({"check", "small.json"}).code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+  EXPECT_NE(run({"list"}).out.find("burning_sheet"), std::string::npos);
+  EXPECT_NE(run({"explain", "/smoke"}).out.find("/smoke/resolution"), std::string::npos);
+  EXPECT_TRUE(nlohmann::json::accept(run({"schema"}).out));
+  EXPECT_EQ(run({"experiment", "list"}).code, 0);
+}
+
+TEST_F(Command, ChangesParametersFromTheCommandLine) {
+  ASSERT_EQ(run({"run", "small.json", "--set", "/output/frame_start=1001", "--set", "/output/frame_padding=5",
+                 "--set", "/smoke=null", "--frames", "2", "--quiet"})
+                .code,
+            0);
+  EXPECT_TRUE(fs::exists(folder_ / "out/small/meshes/paper.01002.ply"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/small/volumes"));
+}
+
+TEST_F(Command, RefusesAFolderThatCannotBeMade) {
+  spit(folder_ / "file", "x");
+  EXPECT_EQ(run({"run", "small.json", "--out", "file"}).code, 73);
+  EXPECT_EQ(run({"run", "small.json", "--out", "file/below"}).code, 73);
+  EXPECT_EQ(run({"run", "small.json", "--out", "/proc/none"}).code, 73);
+}
+
+TEST_F(Command, DamagedSceneFilesNeverCrashIt) {
+  const std::string whole = small_scene;
+  for (std::size_t n = 0; n < 40; ++n) {
+    std::string damaged = n % 2 ? whole.substr(0, n * whole.size() / 40) : whole;
+    if (n % 2 == 0) damaged[n * whole.size() / 40] = static_cast<char>(n * 37);
+    spit(folder_ / "small.json", damaged);
+    const int code = run({"check", "small.json", "--quiet"}).code;
+    EXPECT_TRUE(code == 0 || code == 65 || code == 66 || code == 77) << code << "\n" << damaged;
+  }
+}
+
+TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
+  const Outcome outcome = run({"run", "small.json", "--set", "/smoke/resolution=[200,200,200]"}, [] {
+    const rlimit limit{600 << 20, 600 << 20};
+    ::setrlimit(RLIMIT_AS, &limit);
+  });
+  EXPECT_EQ(outcome.code, 77) << outcome.err;
+}
+
+}  // namespace
+
+}  // namespace wick::test
