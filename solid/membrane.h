@@ -89,8 +89,8 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   // The gradient of the start of the substep makes the projection central about xⁿ, so that nothing is lost in
   // turning (as in SHAKE); but it leaves the transverse stiffness of taut triangles explicit, which the gradient at
   // x damps. A triangle passes from the one to the other while its strain grows to a tenth.
-  const T back = larger<T>(
-      constant<T>(0.0), 1.0 - 10.0 * square_root(c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice));
+  const T back =
+      larger<T>(constant<T>(0.0), 1.0 - 100.0 * (c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice));
   const Deformation<T> J = {F.f - back * D.f, F.g - back * D.g};
   const Strain<T> rate = strain_rate(J, D);
   const Strain<T> r = {-(c.g00 + gamma * rate.g00), -(c.g11 + gamma * rate.g11),
