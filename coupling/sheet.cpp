@@ -116,6 +116,8 @@ PinSet build_pin(const Sheet& sheet, const PinParams& p, const std::string& poin
 /// A triangle lives on with what burning has left of it; its inputs start virgin.
 void start_solvers(Sheet& sheet, const WorldParams& world) {
   sheet.base = solid::make_shell_inputs(sheet.mesh, sheet.params.material);
+  if (sheet.params.material.weaken_with_delta && world.diffusion)
+    sheet.base.membrane_factor = 1.0 / (1.0 + world.diffusion->delta);
   sheet.inputs = sheet.base;
   if (sheet.params.moves) sheet.shell = std::make_unique<solid::ShellSolver>(sheet.mesh, sheet.params.material);
   if (!world.diffusion) return;
