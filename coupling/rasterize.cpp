@@ -80,7 +80,7 @@ class LineCrossings {
       cell[(axis + 2) % 3] = n;
       const auto face = static_cast<std::int64_t>(grid_.face(axis, cell[0], cell[1], cell[2]));
       hits.push_back({number_, triangle, weight, static_cast<std::int8_t>(axis), static_cast<std::int8_t>(facing), face,
-                      {cell[0], cell[1], cell[2]}});
+                      {cell[0], cell[1], cell[2]}, below == static_cast<int>(std::floor(depth)) ? 1 : 0});
     }
   }
 
@@ -153,10 +153,14 @@ void Raster::close_sheet_faces(const std::vector<SheetSurface>& sheets) {
       slot = static_cast<std::int32_t>(hits_.size());
       hits_.push_back(hit);
       distance.push_back(offset);
-    } else if (offset < distance[slot]) {
+      continue;
+    }
+    const std::int32_t crossings = hits_[slot].crossings + hit.crossings;
+    if (offset < distance[slot]) {
       hits_[slot] = hit;
       distance[slot] = offset;
     }
+    hits_[slot].crossings = crossings;
   }
   for (const WallHit& hit : hits_) {
     walls_.closed[hit.axis][hit.face] = 1;

@@ -30,6 +30,7 @@ struct WallHit {
   std::int8_t facing;             ///< +1: the triangle's normal points along +axis, -1: along -axis
   std::int64_t face;              ///< index among the faces of the axis
   std::array<std::int32_t, 3> cell;   ///< (i, j, k) of the cell above the face; the one below is one less along axis
+  std::int32_t crossings = 1;     ///< times that sheets cross the segment: even when its ends are on the same side
 };
 
 /// Everything the gas and the exchange need to know of the sheets' place in the grid.
@@ -44,6 +45,11 @@ class Raster {
   [[nodiscard]] const std::vector<WallHit>& hits() const { return hits_; }
   /// Index into hits() of the hit on a face, -1 where no sheet closes it.
   [[nodiscard]] std::int32_t hit_at(int axis, std::size_t face) const { return hit_at_[axis][face]; }
+  /// Times that sheets cross the segment through a face; 0 where none closes it.
+  [[nodiscard]] int crossings(int axis, std::size_t face) const {
+    const std::int32_t hit = hit_at_[axis][face];
+    return hit < 0 ? 0 : hits_[hit].crossings;
+  }
   [[nodiscard]] const fluid::Grid& grid() const { return grid_; }
 
  private:

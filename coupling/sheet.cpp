@@ -187,7 +187,6 @@ void visit(StateVisitor& visitor, Sheet& sheet) {
   visit(visitor, sheet.state);
   visitor.array("theta", sheet.theta);
   visit(visitor, sheet.burning);
-  visitor.array("seen_x", sheet.seen_x);
 }
 
 std::vector<Obstacle> build_obstacles(const WorldParams& world) {

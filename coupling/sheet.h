@@ -42,7 +42,7 @@ struct Sheet {
   std::vector<double> theta;            ///< (T - T_amb)/(T_ref - T_amb), V; empty without diffusion
   std::vector<double> heat_capacity;    ///< [J per unit theta], V
   BurningState burning;                 ///< empty without burning
-  std::vector<Vec3> seen_x;             ///< positions when the gas last saw the sheet; empty: not yet
+  std::vector<Vec3> seen_x;             ///< where the gas last saw the sheet, scratch of one step; empty: not yet
 
   std::unique_ptr<solid::ShellSolver> shell;                 ///< null for a held sheet
   std::unique_ptr<diffusion::DiffusionSolver> diffusion;     ///< null without diffusion

@@ -17,22 +17,23 @@ struct Neighbours {
   std::vector<std::int64_t> across, same;
 };
 
-/// Looks from cell `at` along one direction for the first cell that was not swept. An odd number of closed faces on
-/// the way there means that it lies across the sheet.
+/// Looks from cell `at` along one direction for the first cell that was not swept. An odd number of crossings on the
+/// way there means that it lies across the sheet; an even one that a fold lies between: no neighbour of either kind.
 void look_along(const Raster& raster, const std::vector<std::int64_t>& swept, Int3 at, int axis, int step,
                 Neighbours& found) {
   const fluid::Grid& grid = raster.grid();
-  int closed = 0;
+  int crossings = 0;
   for (int reach = 0; reach < kReach; ++reach) {
     Int3 face = at;
     if (step > 0) ++face[axis];
-    closed += raster.walls().closed[axis][grid.face(axis, face[0], face[1], face[2])];
+    crossings += raster.crossings(axis, grid.face(axis, face[0], face[1], face[2]));
     at[axis] += step;
     if (at[axis] < 0 || at[axis] >= grid.size(axis)) return;
     const auto cell = static_cast<std::int64_t>(grid.cell(at[0], at[1], at[2]));
     if (raster.walls().solid[cell]) return;
     if (std::binary_search(swept.begin(), swept.end(), cell)) continue;
-    (closed % 2 == 1 ? found.across : found.same).push_back(cell);
+    if (crossings % 2 == 1) found.across.push_back(cell);
+    else if (crossings == 0) found.same.push_back(cell);
     return;
   }
 }

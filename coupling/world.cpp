@@ -18,13 +18,13 @@ struct World::Impl {
 
   // One substep, in the order of the data flow.
   void substep(double dt, FrameReport& report);
-  void see_sheets();
   void move_gas(double dt, FrameReport& report);
   void exchange(double dt);
   void diffuse(double dt, FrameReport& report);
   void react(double dt);
   void shed_burnt_triangles();
   void move_sheets(double dt);
+  void see_sheets();
   void audit();
 
   double longest_step(double left) const;
@@ -67,6 +67,7 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
     gas_solver = std::make_unique<fluid::SmokeSolver>(*params.smoke);
     raster = std::make_unique<Raster>(fluid::smoke_grid(*params.smoke), params.smoke->sides);
   }
+  see_sheets();
   begin_ledgers();
 }
 
@@ -100,12 +101,13 @@ double World::Impl::longest_step(double left) const {
 
 void World::Impl::substep(double dt, FrameReport& report) {
   // The frame as the data flows; each line reads what the lines above have left.
-  { const StageTimer timer(report.seconds, "see"); see_sheets(); }
   { const StageTimer timer(report.seconds, "smoke"); move_gas(dt, report); }
   { const StageTimer timer(report.seconds, "exchange"); exchange(dt); }
   { const StageTimer timer(report.seconds, "diffusion"); diffuse(dt, report); }
   { const StageTimer timer(report.seconds, "burning"); react(dt); shed_burnt_triangles(); }
   { const StageTimer timer(report.seconds, "shell"); move_sheets(dt); }
+  // Seeing the moved sheet comes last, so that the gas that is written agrees with the meshes that are written.
+  { const StageTimer timer(report.seconds, "see"); see_sheets(); }
   time += dt;
   ++report.substeps;
 }
@@ -351,7 +353,11 @@ void World::visit(StateVisitor& visitor) {
 }
 
 void World::restored() {
-  for (Sheet& sheet : impl_->sheets) rebuild_topology(sheet, impl_->params);
+  for (Sheet& sheet : impl_->sheets) {
+    rebuild_topology(sheet, impl_->params);
+    sheet.seen_x.clear();   // the gas of the state already agrees with the sheet's place
+  }
+  impl_->see_sheets();
 }
 
 std::uint64_t World::state_hash() {

@@ -20,7 +20,7 @@ enum class MeshKind { rectangle, icosphere, cylinder, file };
 /// Where a sheet comes from and how it is placed: scaled, rotated about x, y, z in that order, then moved.
 struct MeshParams {
   MeshKind kind = MeshKind::rectangle;
-  std::string file;                      ///< PLY or OBJ beside the scene
+  std::string file = {};                    ///< PLY or OBJ beside the scene
   solid::Lattice lattice = solid::Lattice::staggered;
   Int2 vertices = {93, 107};             ///< rectangle: along x and y
   Vec2 size = Vec2(1.0, 1.0);            ///< rectangle: extents; cylinder: radius, height [m]
@@ -38,7 +38,7 @@ enum class PinEdge { none, lower_x, upper_x, lower_y, upper_y };
 
 /// Holds vertices: those within `radius` of `point` (rest shape, placed), or listed, or on a rectangle's edge.
 struct PinParams {
-  std::vector<int> vertices;
+  std::vector<int> vertices = {};
   Vec3 point = Vec3::Zero();
   double radius = 0.0;                   ///< [m]; 0: `point` not used
   PinEdge edge = PinEdge::none;          ///< chooses -x, +x, -y, +y side of the material rectangle; 0: none
@@ -52,7 +52,7 @@ struct ShellSection {
   std::string name = "sheet";
   MeshParams mesh;
   solid::ShellParams material;
-  std::vector<PinParams> pins;
+  std::vector<PinParams> pins = {};
   Vec3 velocity = Vec3::Zero();          ///< at the start [m/s]
   bool moves = true;                     ///< false: held in place, the shell solver is not built
 };
@@ -66,7 +66,7 @@ struct ObstacleParams {
   double radius = 0.1;                   ///< sphere [m]
   Vec3 lower = Vec3::Constant(-0.1), upper = Vec3::Constant(0.1);  ///< box [m]
   Vec3 normal = Vec3(0, 0, 1);           ///< plane
-  std::string file;                      ///< mesh: closed PLY or OBJ
+  std::string file = {};                    ///< mesh: closed PLY or OBJ
   double scale = 1.0;                    ///< mesh
   double spacing = 0.01;                 ///< mesh: of the sampled distance [m]
   double friction = 0.3;
@@ -117,7 +117,7 @@ struct WorldParams {
   std::optional<BurningParams> burning;
   std::vector<HeatSourceParams> heat_sources;
   std::optional<WindParams> wind;
-  std::string directory;                 ///< of the scene file: mesh files are looked for here; not a parameter
+  std::string directory = {};                ///< of the scene file: mesh files are looked for here; not a parameter
 };
 void describe(ParameterVisitor& visitor, WorldParams& params);
 

@@ -28,7 +28,7 @@ enum class Metric { rest, current };
 enum class Measure { invariant, orthotropic };
 enum class Reference { original, current };
 enum class Gain { density, literal };
-enum class Order { inside, after };           // C through the same solve, or after it (8c)
+enum class Order { inside, after };  // C through the same solve, or after it (8c)
 enum class SigmaMode { rate, per_step, influx };
 enum class Total { area, plain };
 enum class Scope { global, component, front, local, local_front };
@@ -37,56 +37,63 @@ struct DiffusionParams {
   Preset preset = Preset::burning;
   Model model = Model::strain_constrained;
   Operator discretisation = Operator::cotan;
-  double umbrella_factor = 2.0;     ///< 1: literal Eq (3), whose mean diffusivity is alpha/2; 2: nominal alpha
+  double umbrella_factor = 2.0;  ///< 1: literal Eq (3), whose mean diffusivity is alpha/2; 2: nominal alpha
+  bool clamp_weights = true;     ///< cotan weights below 0 become 0: keeps the maximum principle on obtuse meshes
   Metric metric = Metric::rest;
-  double alpha = 1e-4;              ///< diffusivity [m2/s]
-  int sharpness = 0;                ///< m of the porous-medium flux div((m+1) u^m grad u); 0 linear, 2 sharp
-  int picard = 3;                   ///< sweeps per step when sharpness > 0
-  double tolerance = 1e-8;          ///< relative residual of the linear solves
+  double alpha = 2.5e-3;    ///< diffusivity [m2/s]
+  int sharpness = 0;        ///< m of the porous-medium flux div((m+1) u^m grad u); 0 linear, 2 sharp
+  int picard = 3;           ///< sweeps per step when sharpness > 0
+  double tolerance = 1e-8;  ///< relative residual of the linear solves
   // strain
   Measure measure = Measure::invariant;
   Reference reference = Reference::original;
   bool tension_only = false;
-  double delta = 0.0;               ///< weakening: lambda = 1/(1+delta)
+  double delta = 0.0;  ///< weakening: lambda = 1/(1+delta)
   Gain gain_form = Gain::density;
-  double gain = 1.0;                ///< kappa: rate of u per unit c [1/s] (density), or per m2 and step (literal)
-  double bending_gain = 0.0;        ///< lambda_b of the optional bending term (2.6)
+  double gain = 500.0;        ///< kappa: rate of u per unit c [1/s] (density), or per m2 and step (literal)
+  double bending_gain = 0.0;  ///< lambda_b h_b^2 of S_b = lambda_b h_b^2 (kappa_1 + kappa_2 - H_0)^2 [m2]; 0: off
   // front
   double u_min = 0.05, u_max = 0.6;
-  double virgin = 0.3;              ///< the band takes only vertices whose fraction left (mu) exceeds this; 0: all
+  double virgin = 0.3;  ///< the band takes only vertices whose fraction left (mu) exceeds this; 0: all
   Order order = Order::inside;
   // rescale
   Scope scope = Scope::front;
-  double scope_radius = 0.05;       ///< R of local and local_front [m]
+  double scope_radius = 0.05;  ///< R of local and local_front [m]
   double sigma = 1.0;
   SigmaMode sigma_mode = SigmaMode::rate;
-  double sigma_tau = 1.0;           ///< [s]
+  double sigma_tau = 1.0;  ///< [s]
   Total total = Total::area;
 };
-/// The forms and defaults of one preset (fronts.md section 6 in the design notes; README cites the numbers).
+/// The forms and defaults of one preset. Rule for the gain: kappa = 0.4 Pi/(c_mean t) with c_mean the mean of c
+/// under the expected load, t half the time of the run and Pi the strength (0.1 invisible, 1-3 visible, 10-30
+/// strong).
+///   burning  front scope over unburnt cells, kappa c = 1.5 /s at c = 0.003 (Pi = 3)
+///   wetting  local front scope of 5 cm, sigma on the influx, kappa c = 4 /s at c = 0.003 (Pi = 10)
+///   literal  the article as printed: depends on time step and mesh
 DiffusionParams make_preset(Preset preset);
 /// Lists the preset first; choosing one resets every other field to that preset before they are read.
 void describe(ParameterVisitor& visitor, DiffusionParams& params);
 
 /// One scalar on one sheet, as the world hands it over. Spans may be empty where a default is named.
 struct DiffusionInput {
-  const solid::ShellMesh* mesh = nullptr;          ///< alive triangles
-  const std::vector<Vec3>* x = nullptr;            ///< current positions
-  const std::vector<double>* rest_scale = nullptr; ///< per triangle, for Reference::current; null: 1
-  const std::vector<double>* mass = nullptr;       ///< M_i; 0 for orphans
-  const std::vector<double>* loss = nullptr;       ///< implicit loss K_i [M units / s]; null: none
+  const solid::ShellMesh* mesh = nullptr;             ///< alive triangles
+  const std::vector<Vec3>* x = nullptr;               ///< current positions
+  const std::vector<double>* rest_scale = nullptr;    ///< per triangle, for Reference::current; null: 1
+  const std::vector<double>* mass = nullptr;          ///< M_i; 0 for orphans
+  const std::vector<double>* loss = nullptr;          ///< implicit loss K_i [M units / s]; null: none
   const std::vector<double>* supply_rate = nullptr;   ///< Robin supply k_i [M units / s]; null: none
   const std::vector<double>* supply_value = nullptr;  ///< u_src,i towards which supply_rate pulls
-  const std::vector<double>* amount = nullptr;     ///< explicit f_i, amount added this step [M units]; null: none
-  const std::vector<double>* fraction_left = nullptr; ///< mu_i for `virgin`; null: 1
-  double capacity = 0.0;                           ///< cap on u; 0: none
+  const std::vector<double>* amount = nullptr;  ///< explicit f_i, amount added this step [M units]; null: none
+  const std::vector<double>* fraction_left = nullptr;  ///< mu_i for `virgin`; null: 1
+  double capacity = 0.0;                               ///< cap on u; 0: none
 };
 
 struct DiffusionReport {
   double before = 0.0;        ///< sum M u on entry
   double supplied = 0.0;      ///< by supply and amount (either sign)
   double lost = 0.0;          ///< by loss (>= 0 for u >= 0)
-  double sigma_source = 0.0;  ///< (sigma_eff - 1) U*, or its counterpart in other modes
+  double sigma_source = 0.0;  ///< (sigma_eff - 1) U*, or its counterpart in other modes; includes `drift`
+  double drift = 0.0;         ///< part of it that operators and totals not weighted by M create (0 for cotan, area)
   double excess = 0.0;        ///< refused by the capacity: returned to the caller, no longer on the sheet
   double after = 0.0;         ///< sum M u on return = before + supplied - lost + sigma_source - excess
   double strain_added = 0.0;  ///< sum M C on the front before rescaling
@@ -107,9 +114,13 @@ class DiffusionSolver {
   /// Advances u (V) by dt.
   DiffusionReport step(std::vector<double>& u, const DiffusionInput& input, double dt);
 
-  /// C_i of the last step before masking with the front, and S per triangle: for output and metrics.
+  /// C_i of the last step before diffusion and masking with the front, and S per triangle: for output and metrics
+  /// (filled for the isotropic model as well, which does not use them).
   [[nodiscard]] const std::vector<double>& strain_vertex() const;
   [[nodiscard]] const std::vector<double>& strain_triangle() const;
+  /// Amount that supply and `amount` gave each vertex in the last step [M units]; sums to
+  /// DiffusionReport::supplied.
+  [[nodiscard]] const std::vector<double>& supplied_vertex() const;
 
  private:
   struct Impl;

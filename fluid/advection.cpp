@@ -85,23 +85,28 @@ struct Transport::Kernel {
   }
 
   /// Points of a row whose path or stencil could meet a closed inner face: those stretching further than the
-  /// clearance of their cell, less half a cell to its edge and one for the stencil.
+  /// clearance of their cell, less one cell for the stencil and half a cell (a whole one for points on faces) to
+  /// the edge.
   template <int A>
   [[nodiscard]] unsigned near_wall(F8 stretch, int i, int j, int k, int count) const {
     if (t.clearance_.empty()) return 0;
+    // Of a face, the cells on both sides count. Lanes past the ends of a row read its neighbours, which can
+    // only make a point careful without need.
+    const int n[3] = {t.grid_.nx, t.grid_.ny, t.grid_.nz};
+    const auto row = [&](int jj, int kk) {
+      return clearance_origin() +
+             (std::ptrdiff_t(std::min(jj, n[1] - 1)) + std::ptrdiff_t(n[1]) * std::min(kk, n[2] - 1)) * n[0] + i;
+    };
+    F8 clear = load_bytes(row(j, k));
+    if constexpr (A == 0) clear = min8(clear, load_bytes(row(j, k) - 1));
+    if constexpr (A == 1) clear = min8(clear, load_bytes(row(std::max(j - 1, 0), k)));
+    if constexpr (A == 2) clear = min8(clear, load_bytes(row(j, std::max(k - 1, 0))));
+    const I8 far = stretch + (A < 3 ? 2.0F : 1.5F) < clear;
     unsigned near = 0;
-    for (int lane = 0; lane < std::min(count, lanes); ++lane) {
-      const Int3 upper = {i + lane, j, k};
-      std::uint8_t clear = 255;
-      for (int side = 0; side < (A < 3 ? 2 : 1); ++side) {
-        Int3 c = upper;
-        if (A < 3) c[A % 3] = std::clamp(upper[A % 3] - side, 0, t.grid_.size(A % 3) - 1);
-        clear = std::min(clear, t.clearance_[t.grid_.cell(c[0], c[1], c[2])]);
-      }
-      if (!(stretch[lane] + 1.5F < static_cast<float>(clear))) near |= 1U << lane;
-    }
-    return near;
+    for (int lane = 0; lane < lanes; ++lane) near |= (far[lane] ? 0U : 1U) << lane;
+    return count < lanes ? near & ((1U << count) - 1U) : near;
   }
+  [[nodiscard]] const std::uint8_t* clearance_origin() const { return t.clearance_.data() + lanes; }
 
   /// The point (i,j,k) of lattice A; a face counts to the cell from which (or to which) the path goes.
   template <int A>
@@ -132,6 +137,14 @@ struct Transport::Kernel {
       return !t.walls_->solid.empty() && t.walls_->solid[t.grid_.cell(i, j, k)];
   }
 
+  /// True where a path that nothing cut ended inside the box, by the same limits as stayed_inside.
+  [[nodiscard]] bool sound(const WallPoint& end) const {
+    bool inside = !end.clipped;
+    for (int a = 0; a < 3; ++a) {
+      inside = inside && end.x[a] >= flow.range[a].inside_low && end.x[a] <= flow.range[a].inside_high;
+    }
+    return inside;
+  }
   /// First pass at one point near a wall. Where the path was cut or the stencil thinned, the range is narrowed
   /// to the value itself, so that the second pass leaves it alone.
   template <int A>
@@ -146,20 +159,20 @@ struct Transport::Kernel {
     const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, -1.0F), -1.0F);
     for (std::size_t f = 0; f < out.size(); ++f) {
       out[f] = sample<A>(source[f], end);
-      if (end.clipped || out[f].thinned) out[f].low = out[f].high = out[f].value;
+      if (!sound(end) || out[f].thinned) out[f].low = out[f].high = out[f].value;
     }
   }
   /// Second pass at one point near a wall: the value carried back, or `first` where that is not sound.
   template <int A>
   void second_at_wall(int i, int j, int k, std::span<const Padded> first, std::span<float> back,
-                      std::span<bool> sound) const {
-    std::fill(sound.begin(), sound.end(), false);
+                      std::span<bool> usable) const {
+    std::fill(usable.begin(), usable.end(), false);
     if (held<A>(i, j, k)) return;
     const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, 1.0F), 1.0F);
     for (std::size_t f = 0; f < back.size(); ++f) {
       const WallSample s = sample<A>(first[f], end);
       back[f] = s.value;
-      sound[f] = !end.clipped && !s.thinned;
+      usable[f] = sound(end) && !s.thinned;
     }
   }
 
@@ -227,7 +240,7 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
   const std::size_t fields = source.size();
   parallel_chunks(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t begin, std::size_t end) {
     std::vector<float> back(fields);
-    const auto sound = std::make_unique<bool[]>(fields);
+    const auto usable = std::make_unique<bool[]>(fields);
     for (std::size_t row = begin; row < end; ++row) {
       const int j = int(row % size[1]), k = int(row / size[1]);
       for (int i = 0; i < size[0]; i += lanes) {
@@ -247,11 +260,11 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
         }
         for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
           const int lane = __builtin_ctz(near);
-          second_at_wall<A>(i + lane, j, k, first, back, std::span<bool>(sound.get(), fields));
+          second_at_wall<A>(i + lane, j, k, first, back, std::span<bool>(usable.get(), fields));
           for (std::size_t f = 0; f < fields; ++f) {
             const std::size_t here = source[f].index(i + lane, j, k);
             const float hat = first[f].data[here];
-            const float better = sound[f] ? hat + 0.5F * (source[f].data[here] - back[f]) : hat;
+            const float better = usable[f] ? hat + 0.5F * (source[f].data[here] - back[f]) : hat;
             result[f][row * size[0] + i + lane] = std::min(std::max(better, low[f].data[here]), high[f].data[here]);
           }
         }
@@ -286,7 +299,9 @@ void Transport::set_flow(const FaceField& velocity, const Walls& walls, double d
                        }));
   }
   const double reach = std::ceil(std::min(fastest * scale_, 12.0) + 2.0);
-  clearance_ = wall_clearance(grid_, sides_, walls, static_cast<int>(reach));
+  const std::vector<std::uint8_t> clear = wall_clearance(grid_, sides_, walls, static_cast<int>(reach));
+  clearance_.assign(clear.size() + 3 * lanes, 0);
+  std::copy(clear.begin(), clear.end(), clearance_.begin() + lanes);
 }
 
 void Transport::reshape_work(std::size_t fields, int lattice) {

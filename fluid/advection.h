@@ -51,7 +51,6 @@ class Transport {
 
   /// The flow with ghosts, in cells a step.
   [[nodiscard]] const std::array<Padded, 3>& flow() const { return flow_; }
-  [[nodiscard]] const std::vector<std::uint8_t>& clearance() const { return clearance_; }
 
  private:
   struct Kernel;
@@ -68,7 +67,7 @@ class Transport {
   const Walls* walls_ = nullptr;
   double scale_ = 0.0;  ///< cells a step per m/s
   std::array<Padded, 3> flow_;
-  std::vector<std::uint8_t> clearance_;  ///< empty without walls
+  std::vector<std::uint8_t> clearance_;  ///< of the cells, room for eight before and after; empty without walls
   std::vector<Padded> source_, first_, low_, high_;
   std::array<std::vector<float>, 3> courant_, flux_;
   CellField before_;

@@ -88,6 +88,31 @@ void add_buoyancy(FaceField& velocity, const Padded& lift, const SmokeSources& s
   }
 }
 
+void add_half_pressure(FaceField& velocity, const std::vector<double>& pressure, Padded& work, const Grid& grid,
+                       const Sides& sides, double density, double dt) {
+  const Int3& n = work.count;
+  parallel_for(std::size_t(n[1]) * n[2], row_grain, [&](std::size_t row) {
+    const double* p = pressure.data() + row * n[0];
+    std::copy_n(p, n[0], work.data.data() + work.index(0, int(row % n[1]), int(row / n[1])));
+  });
+  // No gradient across closed sides; p = 0 on open ones.
+  GhostRules rules = scalar_ghosts(sides);
+  for (GhostRule& rule : rules) {
+    if (rule.kind == Ghost::zero) rule.kind = Ghost::mirror;
+  }
+  work.fill_ghosts(rules);
+  const auto scale = static_cast<float>(0.5 * dt / (density * grid.h));
+  for (int a = 0; a < 3; ++a) {
+    const Int3 size = lattice_size(grid, a);
+    parallel_for(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t row) {
+      const float* above = work.data.data() + work.index(0, int(row % size[1]), int(row / size[1]));
+      const float* below = above - work.stride(a);
+      float* u = velocity[a].data() + row * size[0];
+      for (int i = 0; i < size[0]; ++i) u[i] -= scale * (above[i] - below[i]);
+    });
+  }
+}
+
 Confinement::Confinement(const Grid& grid, const Sides& sides) : grid_(grid), sides_(sides) {
   const Int3 size = {grid.nx, grid.ny, grid.nz};
   for (auto* field : {&curl_, &push_}) {

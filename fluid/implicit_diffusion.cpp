@@ -111,10 +111,12 @@ struct Helmholtz {
 };
 
 /// Solves A δ = b from δ = 0. The diagonal is nearly constant, so scaling by it would gain nothing.
-SolveReport conjugate_gradients(const Helmholtz& a, const std::vector<double>& b, std::vector<double>& delta,
-                                const DiffusionInput& input) {
+SolveReport conjugate_gradients(const Helmholtz& a, const DiffusionInput& input, DiffusionWork& work) {
   SolveReport report;
-  std::vector<double> r = b, p = b, ap(b.size(), 0.0);
+  const std::vector<double>& b = work.rhs;
+  std::vector<double>&delta = work.delta, &r = work.residual, &p = work.direction, &ap = work.image;
+  r = b, p = b;
+  ap.assign(b.size(), 0.0);
   double rr = a.dot(r, r);
   const double target = input.tolerance * input.tolerance * rr;
   const double start = rr;
@@ -143,9 +145,10 @@ SolveReport conjugate_gradients(const Helmholtz& a, const std::vector<double>& b
 /// of Δ q that comes from moving sides.
 template <class Shift>
 SolveReport diffuse_lattice(const Helmholtz& a, const DiffusionInput& input, float* q, const Int3& lattice,
-                            const Shift& shift) {
+                            const Shift& shift, DiffusionWork& work) {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<double> values(a.box.size(), 0.0), rhs(a.box.size(), 0.0), delta(a.box.size(), 0.0);
+  std::vector<double>&values = work.values, &rhs = work.rhs, &delta = work.delta;
+  for (auto* array : {&values, &rhs, &delta}) array->assign(a.box.size(), 0.0);
   const auto dense_row = [&](std::size_t row) {
     return q + std::size_t(lattice[0]) * (row % a.box.count[1] + std::size_t(lattice[1]) * (row / a.box.count[1]));
   };
@@ -156,7 +159,7 @@ SolveReport diffuse_lattice(const Helmholtz& a, const DiffusionInput& input, flo
   shift(rhs);
   for (const std::size_t p : a.fixed) rhs[p] = 0.0;
   a.for_rows([&](std::size_t i) { rhs[i] *= a.c; });
-  SolveReport report = conjugate_gradients(a, rhs, delta, input);
+  SolveReport report = conjugate_gradients(a, input, work);
   parallel_for(a.box.rows(), row_grain, [&](std::size_t row) {
     float* out = dense_row(row);
     const double* v = values.data() + a.box.row_start(row);
@@ -255,18 +258,19 @@ double diffusion_number(const Grid& grid, const DiffusionInput& input) {
 }  // namespace
 
 SolveReport diffuse(const Grid& grid, const Sides& sides, const Walls& walls, const DiffusionInput& input,
-                    CellField& field) {
+                    CellField& field, DiffusionWork& work) {
   Helmholtz op;
   op.box.count = {grid.nx, grid.ny, grid.nz};
   op.c = diffusion_number(grid, input);
   if (op.c == 0.0) return {};
   for (int s = 0; s < 6; ++s) op.box.ghost[s] = sides[s] == Side::periodic ? Ghost::wrap : Ghost::copy;
   block_walls(grid, sides, walls, op);
-  return diffuse_lattice(op, input, field.data(), op.box.count, [](std::vector<double>&) {});
+  return diffuse_lattice(
+      op, input, field.data(), op.box.count, [](std::vector<double>&) {}, work);
 }
 
 SolveReport diffuse(const Grid& grid, const Sides& sides, const SideMotion& motion, const Walls& walls,
-                    const DiffusionInput& input, FaceField& velocity) {
+                    const DiffusionInput& input, FaceField& velocity, DiffusionWork& work) {
   SolveReport slowest;
   for (int a = 0; a < 3; ++a) {
     Helmholtz op;
@@ -292,7 +296,7 @@ SolveReport diffuse(const Grid& grid, const Sides& sides, const SideMotion& moti
         });
       }
     };
-    const SolveReport report = diffuse_lattice(op, input, velocity[a].data(), lattice, moving_sides);
+    const SolveReport report = diffuse_lattice(op, input, velocity[a].data(), lattice, moving_sides, work);
     const bool worse = report.iterations > slowest.iterations || !report.converged;
     const double seconds = slowest.seconds + report.seconds;
     if (worse || a == 0) slowest = report;

@@ -19,12 +19,17 @@ struct DiffusionInput {
   int max_iterations = 500;
 };
 
+/// Arrays of the solve, kept between steps.
+struct DiffusionWork {
+  std::vector<double> values, rhs, delta, residual, direction, image;
+};
+
 /// Diffuses a cell value. Its sum stays the same up to rounding.
 SolveReport diffuse(const Grid& grid, const Sides& sides, const Walls& walls, const DiffusionInput& input,
-                    CellField& field);
+                    CellField& field, DiffusionWork& work);
 
 /// Diffuses the three components of velocity one after another; the report is that of the slowest.
 SolveReport diffuse(const Grid& grid, const Sides& sides, const SideMotion& motion, const Walls& walls,
-                    const DiffusionInput& input, FaceField& velocity);
+                    const DiffusionInput& input, FaceField& velocity, DiffusionWork& work);
 
 }  // namespace wick::fluid

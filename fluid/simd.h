@@ -58,6 +58,13 @@ WICK_INLINE F8 clamp8(F8 x, float low, float high) {
   return min8(max8(x, splat(low)), splat(high));
 }
 
+/// Eight bytes as floats.
+WICK_INLINE F8 load_bytes(const std::uint8_t* p) {
+  std::uint8_t __attribute__((vector_size(8))) bytes;
+  std::memcpy(&bytes, p, sizeof bytes);
+  return __builtin_convertvector(__builtin_convertvector(bytes, I8), F8);
+}
+
 /// Greatest whole number not above x, for |x| < 2³¹.
 WICK_INLINE F8 floor8(F8 x) {
   const F8 t = __builtin_convertvector(__builtin_convertvector(x, I8), F8);

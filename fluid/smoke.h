@@ -52,6 +52,7 @@ struct SmokeState {
   CellField density;             ///< smoke carried [kg/m3]
   CellField temperature;         ///< excess over ambient, T - T_amb [K]
   CellField flame;               ///< reaction coordinate in [0, 1], for rendering
+  std::vector<std::int32_t> window;  ///< active window of the last step: low and high corner [cells]; empty: the box
 };
 void visit(StateVisitor& visitor, SmokeState& state);
 

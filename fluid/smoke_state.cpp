@@ -52,6 +52,7 @@ void visit(StateVisitor& visitor, SmokeState& state) {
   visitor.array("density", state.density);
   visitor.array("temperature", state.temperature);
   visitor.array("flame", state.flame);
+  visitor.array("window", state.window);
 }
 
 Grid smoke_grid(const SmokeParams& p) {

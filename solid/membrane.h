@@ -83,8 +83,16 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
                       const Triple<T>& previous2) {
   const Triple<T> edge1 = v1.p - v0.p, edge2 = v2.p - v0.p;
   const Deformation<T> F = deformation(b, edge1, edge2);
-  const Deformation<T> D = deformation(b, edge1 - (previous1 - previous0), edge2 - (previous2 - previous0));
-  const Strain<T> c = green_strain(F), rate = strain_rate(F, D);
+  const Triple<T> old1 = previous1 - previous0, old2 = previous2 - previous0;
+  const Deformation<T> D = deformation(b, edge1 - old1, edge2 - old2);
+  const Strain<T> c = green_strain(F);
+  // The gradient of the start of the substep makes the projection central about xⁿ, so that nothing is lost in
+  // turning (as in SHAKE); but it leaves the transverse stiffness of taut triangles explicit, which the gradient at
+  // x damps. A triangle passes from the one to the other while its strain grows to a tenth.
+  const T back = larger<T>(
+      constant<T>(0.0), 1.0 - 10.0 * square_root(c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice));
+  const Deformation<T> J = {F.f - back * D.f, F.g - back * D.g};
+  const Strain<T> rate = strain_rate(J, D);
   const Strain<T> r = {-(c.g00 + gamma * rate.g00), -(c.g11 + gamma * rate.g11),
                        -(c.g01_twice + gamma * rate.g01_twice)};
 
@@ -95,21 +103,22 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   const T m00 = w0 * b00 * b00 + w1 * b.b10 * b.b10 + w2 * b.b20 * b.b20;
   const T m01 = w0 * b00 * b01 + w1 * b.b10 * b.b11 + w2 * b.b20 * b.b21;
   const T m11 = w0 * b01 * b01 + w1 * b.b11 * b.b11 + w2 * b.b21 * b.b21;
-  const T ff = dot(F.f, F.f), gg = dot(F.g, F.g), fg = c.g01_twice;
+  const T ff = dot(J.f, J.f), gg = dot(J.g, J.g), fg = dot(J.f, J.g);
   const Strain<T> lambda =
       solve_symmetric<T>(m00 * ff + softness * law.warp, m01 * fg + softness * law.poisson, m00 * fg + m01 * ff,
                          m11 * gg + softness * law.weft, m01 * gg + m11 * fg,
                          m00 * gg + 2.0 * m01 * fg + m11 * ff + softness * law.shear, r);
 
-  Triple<T> d0 = v0.w * pull_back(F, lambda, b00, b01);
-  Triple<T> d1 = v1.w * pull_back(F, lambda, b.b10, b.b11);
-  Triple<T> d2 = v2.w * pull_back(F, lambda, b.b20, b.b21);
+  Triple<T> d0 = v0.w * pull_back(J, lambda, b00, b01);
+  Triple<T> d1 = v1.w * pull_back(J, lambda, b.b10, b.b11);
+  Triple<T> d2 = v2.w * pull_back(J, lambda, b.b20, b.b21);
 
   // c is quadratic, so one Newton step from a crushed triangle overshoots without bound; no corner may move by more
-  // than the root of the rest area, 1/(2 |det B|). All three are cut alike, which keeps momentum.
+  // than the size of the triangle, at rest (the root of the area, 1/(2 |det B|)) or now. All three are cut alike,
+  // which keeps momentum.
   const T largest2 = larger<T>(larger<T>(dot(d0, d0), dot(d1, d1)), dot(d2, d2));
   const T det = b.b10 * b.b21 - b.b11 * b.b20;
-  const T allowed2 = 0.5 / larger<T>(det, -det);
+  const T allowed2 = larger<T>(constant<T>(1.0), c.g00 + c.g11) / larger<T>(det, -det);
   if (any_greater(largest2, allowed2)) {
     const T cut = square_root(smaller<T>(constant<T>(1.0), allowed2 / larger<T>(largest2, allowed2)));
     d0 = cut * d0;

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "solid/constraints.h"
 #include "solid/contact.h"
+#include "solid/spin.h"
 
 namespace wick::solid {
 
@@ -47,6 +48,7 @@ struct ShellSolver::Impl {
   Impl(const ShellMesh& mesh, const ShellParams& p)
       : params(p),
         constraints(mesh, p),
+        spin(mesh),
         vertex_count(mesh.vertex_count()),
         position(vertex_count + 1),
         previous(vertex_count + 1),
@@ -54,6 +56,7 @@ struct ShellSolver::Impl {
         velocity(vertex_count),
         push(vertex_count),
         clearance(vertex_count),
+        touched(vertex_count),
         tally((vertex_count + kGrain - 1) / kGrain) {
     // The vertex beyond the last serves idle lanes.
     position.back() = previous.back() = bent.back() = {0.0, 0.0, 0.0, 0.0};
@@ -70,12 +73,14 @@ struct ShellSolver::Impl {
 
   ShellParams params;
   ConstraintSet constraints;
+  SpinKeeper spin;
   std::size_t vertex_count;
   std::vector<Row> position;        ///< x and inverse mass
   std::vector<Row> previous;        ///< x at the start of the substep
   std::vector<Row> bent;            ///< y = x + γ (x − xⁿ) and inverse mass, during the sweep over flat hinges
   std::vector<Row> velocity, push;  ///< v, and what a substep adds to it
   std::vector<double> clearance;    ///< a distance to all obstacles that is certainly there [m]
+  std::vector<std::uint8_t> touched;  ///< by an obstacle in this substep, or cut to the speed limit
   std::vector<Tally> tally;
   double h = 0.0;      ///< substep [s]
   double gamma = 0.0;  ///< Rayleigh damping b/h
@@ -172,10 +177,12 @@ void ShellSolver::Impl::finish(const std::vector<Obstacle>& obstacles, double st
           counts.contacts += clearance[i] <= 0.0;
         }
       }
+      touched[i] = free && !obstacles.empty() && clearance[i] <= 0.0;
       Vec3 v = (x - origin) / h;
       if (free && limit_speed(v)) {
         x = origin + h * v;
         ++counts.limited;
+        touched[i] = 1;
       }
       position[i] = row(x, position[i].w);
       velocity[i] = row(v, 0.0);
@@ -242,13 +249,16 @@ ShellStepReport ShellSolver::step(ShellState& state, const ShellMesh& mesh, cons
   s.constraints.update(inputs, s.h);
   s.load(state, inputs, pins);
   s.prepare_push(force, wind, gravity);
+  s.spin.choose_free(pins, inputs);
   for (int k = 0; k < report.substeps; ++k) {
+    s.spin.remember(s.position, s.velocity, s.push, s.keep);
     s.predict();
     s.move_pins(state, pins, (k + 1.0) / report.substeps);
     s.constraints.project_flat_hinges(s.bent, s.gamma);
     s.unbend();
     s.constraints.project_bent_hinges_and_triangles(s.position, s.previous, s.gamma);
     s.finish(obstacles, k * s.h);
+    s.spin.restore(s.position, s.velocity, s.touched, s.h);
   }
   s.store(mesh, state, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();

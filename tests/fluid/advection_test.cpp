@@ -41,13 +41,14 @@ double rotation_error(int n, Advection method) {
 // Slopes are taken between the two finest grids, where the blob (width 5 and 10 cells) is resolved. First order
 // is approached from below while the blob is still being smeared; 0.15 is for the clamp at the one extremum.
 TEST(Advection, SemiLagrangianIsFirstOrder) {
-  const double slope = std::log2(rotation_error(64, Advection::semi_lagrangian) /
-                                 rotation_error(128, Advection::semi_lagrangian));
+  const double slope =
+      std::log2(rotation_error(64, Advection::semi_lagrangian) / rotation_error(128, Advection::semi_lagrangian));
   EXPECT_GT(slope, 0.6);
   EXPECT_LT(slope, 1.3);
 }
 TEST(Advection, MacCormackIsSecondOrder) {
-  const double coarse = rotation_error(64, Advection::maccormack), fine = rotation_error(128, Advection::maccormack);
+  const double coarse = rotation_error(64, Advection::maccormack),
+               fine = rotation_error(128, Advection::maccormack);
   EXPECT_GT(std::log2(coarse / fine), 1.85);
   EXPECT_LT(fine, 0.1 * rotation_error(128, Advection::semi_lagrangian));
 }
@@ -104,9 +105,8 @@ TEST(Advection, DirectionOfFlowDoesNotMatter) {
         mirrored[a][s.g.face(a, size[0] - 1 - i, j, k)] = (a == 0 ? -1.0F : 1.0F) * s.u[a][s.g.face(a, i, j, k)];
       });
     }
-    for_each({s.g.nx, s.g.ny, s.g.nz}, [&](int i, int j, int k) {
-      q[s.g.cell(s.g.nx - 1 - i, j, k)] = s.q[s.g.cell(i, j, k)];
-    });
+    for_each({s.g.nx, s.g.ny, s.g.nz},
+             [&](int i, int j, int k) { q[s.g.cell(s.g.nx - 1 - i, j, k)] = s.q[s.g.cell(i, j, k)]; });
     Transport t(s.g, s.sides, {}), m(s.g, s.sides, {});
     t.set_flow(s.u, no_walls, s.dt), m.set_flow(mirrored, no_walls, s.dt);
     for (int step = 0; step < 5; ++step) carry_one(t, s.q, method), carry_one(m, q, method);

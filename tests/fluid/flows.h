@@ -10,7 +10,9 @@
 
 namespace wick::fluid::test {
 
-constexpr Sides all_sides(Side side) { return {side, side, side, side, side, side}; }
+constexpr Sides all_sides(Side side) {
+  return {side, side, side, side, side, side};
+}
 
 inline void for_each(const Int3& size, const std::function<void(int, int, int)>& body) {
   for (int k = 0; k < size[2]; ++k) {
@@ -33,9 +35,8 @@ inline FaceField face_field(const Grid& g, const std::function<Vec3(const Vec3&)
 
 inline CellField cell_field(const Grid& g, const std::function<double(const Vec3&)>& q) {
   CellField field(g.cells());
-  for_each({g.nx, g.ny, g.nz}, [&](int i, int j, int k) {
-    field[g.cell(i, j, k)] = static_cast<float>(q(g.cell_center(i, j, k)));
-  });
+  for_each({g.nx, g.ny, g.nz},
+           [&](int i, int j, int k) { field[g.cell(i, j, k)] = static_cast<float>(q(g.cell_center(i, j, k))); });
   return field;
 }
 

@@ -101,14 +101,16 @@ TEST(Forces, ConfinementSpinsUpAVortexAndNothingElse) {
   const FaceField still = confined(g, sides, face_field(g, [](const Vec3&) { return Vec3(1, 2, 0); }), no_walls);
   for (const float v : still[0]) ASSERT_NEAR(v, 0.0F, 1e-7F);
   // The size where the vorticity falls toward one side only: eps h |ω|.
-  const double r = 3.5 / 32, omega = (2 - 2 * (r * r + 0.25 / 1024) / 0.02) * std::exp(-(r * r + 0.25 / 1024) / 0.02);
+  const double r = 3.5 / 32,
+               omega = (2 - 2 * (r * r + 0.25 / 1024) / 0.02) * std::exp(-(r * r + 0.25 / 1024) / 0.02);
   EXPECT_NEAR(std::abs(push[1][g.face(1, 12, 16, 0)]), omega / 32, 0.08 * omega / 32);
 }
 
 TEST(Forces, ConfinementLeavesCellsNearWallsAlone) {
   const Grid g = {12, 12, 12, 1.0 / 12, Vec3::Zero()};
   const Walls walls = bag(g, [](const Vec3& x) { return x.x() < 0.5; });  // marked near everywhere
-  const FaceField push = confined(g, all_sides(Side::closed), stirring(g, all_sides(Side::closed), walls, 1.0, 1), walls);
+  const FaceField push =
+      confined(g, all_sides(Side::closed), stirring(g, all_sides(Side::closed), walls, 1.0, 1), walls);
   for (int a = 0; a < 3; ++a) {
     for (const float v : push[a]) ASSERT_EQ(v, 0.0F);
   }

@@ -31,8 +31,12 @@ double leak(const Grid& g, const Sides& sides, const std::function<bool(const Ve
 }
 
 const Grid box = {18, 16, 14, 1.0 / 18, Vec3::Zero()};
-bool in_ball(const Vec3& x) { return (x - Vec3(0.5, 0.45, 0.4)).norm() < 0.27; }
-bool under_roof(const Vec3& x) { return x.z() + 0.4 * x.x() - 0.3 * x.y() < 0.5; }
+bool in_ball(const Vec3& x) {
+  return (x - Vec3(0.5, 0.45, 0.4)).norm() < 0.27;
+}
+bool under_roof(const Vec3& x) {
+  return x.z() + 0.4 * x.x() - 0.3 * x.y() < 0.5;
+}
 
 // Paths and samples go through open faces only, so not one bit may pass: the limit is exactly zero.
 TEST(Walls, ABagOfClosedFacesHoldsItsSmoke) {
@@ -92,7 +96,8 @@ TEST(Walls, SamplesSeeTheirOwnSideOnly) {
 
   // The face of the wall shows its velocity, 3, to both sides; tangential velocity does not cross it.
   Padded u, v;
-  FaceField field = face_field(g, [](const Vec3& x) { return Vec3(x.x() == 5.0 ? 3.0 : 0.0, x.x() < 5.0 ? 1.0 : 2.0, 0); });
+  FaceField field =
+      face_field(g, [](const Vec3& x) { return Vec3(x.x() == 5.0 ? 3.0 : 0.0, x.x() < 5.0 ? 1.0 : 2.0, 0); });
   u.reshape({9, 4, 4}, {0, 1, 1});
   u.assign(field[0], 1.0F);
   u.fill_ghosts(velocity_ghosts(sides, 0, {}, 1.0));
@@ -129,8 +134,10 @@ TEST(Walls, FarFromWallsBothPathsAgree) {
       for_each({g.nx, g.ny, g.nz}, [&](int i, int j, int k) {
         // Within two cells of the face the wall is seen; beyond, only the rounding of positions differs.
         if (std::abs(i - 6.5) <= 3 && std::abs(j - 6) <= 2 && std::abs(k - 5) <= 2) return;
-        ASSERT_NEAR(fast[g.cell(i, j, k)], careful[g.cell(i, j, k)], 2e-5) << int(side) << int(method) << " " << i << j << k;
-        ASSERT_NEAR(fast_u[0][g.face(0, i, j, k)], careful_u[0][g.face(0, i, j, k)], 2e-5) << int(side) << " " << i << " " << j << " " << k;
+        ASSERT_NEAR(fast[g.cell(i, j, k)], careful[g.cell(i, j, k)], 2e-5)
+            << int(side) << int(method) << " " << i << j << k;
+        ASSERT_NEAR(fast_u[0][g.face(0, i, j, k)], careful_u[0][g.face(0, i, j, k)], 2e-5)
+            << int(side) << " " << i << " " << j << " " << k;
       });
     }
   }

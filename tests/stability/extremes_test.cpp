@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(
                p.heat_sources[0].center *= f;
                p.heat_sources[0].radius *= f;
              }}),
-    [](const testing::TestParamInfo<Knob>& info) { return info.param.name; });
+    [](const testing::TestParamInfo<Knob>& knob) { return knob.param.name; });
 
 TEST(Stability, FrameLengthsFromAMicrosecondToAThousandSeconds) {
   for (const double dt : {1e-6, 1e-3, 1.0, 1e3}) run_sound(small_world(), "frame of " + std::to_string(dt), 2, dt);

@@ -1,0 +1,147 @@
+#include "diffusion/redistribution.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wick::diffusion {
+
+std::vector<std::uint8_t> front_band(const DiffusionParams& params, const std::vector<double>& u_star,
+                                     const std::vector<double>* fraction_left) {
+  std::vector<std::uint8_t> front(u_star.size());
+  parallel_for(front.size(), chunk, [&](std::size_t i) {
+    const bool virgin = params.virgin <= 0.0 || fraction_left == nullptr || (*fraction_left)[i] > params.virgin;
+    front[i] = virgin && u_star[i] >= params.u_min && u_star[i] <= params.u_max ? 1 : 0;
+  });
+  return front;
+}
+
+Projection project_total(std::span<const std::int32_t> members, const std::vector<double>& weight, double target,
+                         double cap, std::vector<double>& v) {
+  // Below this a sum is rounding of nothing, and a quotient by it could overflow.
+  constexpr double least_sum = 1e-280;
+  const double total = sum_over(members, [&](std::size_t i) { return weight[i] * v[i]; });
+  if (total <= least_sum) return {1.0, 0.0};
+  double r = std::max(target, 0.0) / total;
+
+  // Saturated vertices hold the cap; the rest share what remains in proportion to v.
+  while (cap > 0.0) {
+    const double full = sum_over(members, [&](std::size_t i) { return r * v[i] >= cap ? weight[i] : 0.0; });
+    if (full == 0.0) break;
+    const double open = sum_over(members, [&](std::size_t i) { return r * v[i] < cap ? weight[i] * v[i] : 0.0; });
+    const double next = open > least_sum ? (target - cap * full) / open : r;
+    if (!(next > r * (1.0 + 1e-15))) break;
+    r = next;
+  }
+  parallel_for(members.size(), chunk, [&](std::size_t k) {
+    double& value = v[members[k]];
+    value = cap > 0.0 ? std::min(cap, r * value) : r * value;
+  });
+  if (cap <= 0.0) return {r, 0.0};
+  const double held = sum_over(members, [&](std::size_t i) { return weight[i] * v[i]; });
+  const double rest = target - held;
+  return {r, rest > 1e-14 * target ? rest : 0.0};
+}
+
+double redistribute_locally(const std::vector<double>& mass, const std::vector<double>& c,
+                            const std::vector<std::uint8_t>& taken, const Kernel& kernel, std::vector<double>& v) {
+  const std::size_t n = v.size();
+  const auto takes = [&](std::size_t i) { return taken.empty() || taken[i] != 0; };
+  std::vector<double> rhs(n);
+  parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = takes(i) ? mass[i] * v[i] : 0.0; });
+  const std::vector<double> nearby = kernel(rhs);
+
+  // C lies where v > 0, so D is positive there; where it is not, nothing can pay for C and it is dropped.
+  parallel_for(n, chunk, [&](std::size_t i) {
+    const bool payable = nearby[i] > 0.0 && c[i] > 0.0;
+    if (!payable) v[i] -= c[i];
+    rhs[i] = payable ? mass[i] * (c[i] / nearby[i]) : 0.0;
+  });
+  const std::vector<double> bracket = kernel(rhs);
+  const double largest = parallel_max(n, chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+    double most = 0.0;
+    for (std::size_t i = begin; i < end; ++i)
+      if (takes(i)) most = std::max(most, bracket[i]);
+    return most;
+  });
+  parallel_for(n, chunk, [&](std::size_t i) {
+    if (takes(i)) v[i] *= std::max(0.0, 1.0 - bracket[i]);
+  });
+  return std::max(0.0, 1.0 - largest);
+}
+
+double step_sigma(const DiffusionParams& params, double dt) {
+  if (params.sigma_mode == SigmaMode::per_step) return params.sigma;
+  if (params.sigma_mode == SigmaMode::rate && params.sigma != 1.0)
+    return std::min(std::pow(params.sigma, dt / params.sigma_tau), 1e100);  // the bound keeps one step finite
+  return 1.0;
+}
+
+namespace {
+
+/// Target total of one group: σ U*, or U* + (σ - 1) times what it was given.
+double target_total(const DiffusionParams& params, const RescaleInput& in, std::span<const std::int32_t> members,
+                    double star) {
+  if (params.sigma_mode != SigmaMode::influx) return step_sigma(params, in.dt) * star;
+  if (params.sigma == 1.0) return star;
+  const double given = sum_over(members, [&](std::size_t i) { return (*in.supply)[i]; });
+  return std::max(0.0, star + (params.sigma - 1.0) * std::max(given, 0.0));
+}
+
+/// Rescales only the front vertices of one component. Returns false, leaving v, when they cannot meet the target
+/// alone.
+bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members, double created,
+                   std::vector<double>& v, Projection& done) {
+  const std::vector<double>& w = *in.weight;
+  std::vector<std::int32_t> inside;
+  for (const std::int32_t i : members)
+    if ((*in.front)[i] != 0) inside.push_back(i);
+  // σ U* minus everything off the front, written as a difference that does not cancel when σ = 1.
+  const double wanted = created + sum_over(inside, [&](std::size_t i) { return w[i] * (*in.u_star)[i]; });
+  if (inside.empty() || wanted < 0.0) return false;
+  if (in.capacity > 0.0) {
+    const double room = in.capacity * sum_over(inside, [&](std::size_t i) { return w[i]; });
+    if (wanted > room) return false;
+    for (const std::int32_t i : members)
+      if ((*in.front)[i] == 0 && v[i] > in.capacity) return false;
+  }
+  done = project_total(inside, w, wanted, in.capacity, v);
+  return true;
+}
+
+}  // namespace
+
+RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, const Kernel& kernel,
+                      std::vector<double>& u) {
+  RescaleResult result;
+  std::vector<double> before;
+  const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
+  if (local && std::any_of(in.c->begin(), in.c->end(), [](double c) { return c > 0.0; })) {
+    static const std::vector<std::uint8_t> everywhere;
+    before = u;
+    result.rescale =
+        redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);
+  }
+  const VertexGroups& groups = params.scope == Scope::global ? *in.whole : *in.components;
+  for (std::size_t g = 0; g < groups.count(); ++g) {
+    const auto members = groups[g];
+    const double star = sum_over(members, [&](std::size_t i) { return (*in.weight)[i] * (*in.u_star)[i]; });
+    const double target = target_total(params, in, members, star);
+    // The local form keeps Σ M u up to what the clamp adds. Where C is so large that this drowns in rounding, share
+    // by v = u* + C over the component instead.
+    if (!before.empty()) {
+      const double kept = sum_over(members, [&](std::size_t i) { return (*in.mass)[i] * u[i]; });
+      const double held = sum_over(members, [&](std::size_t i) { return (*in.mass)[i] * (*in.u_star)[i]; });
+      if (!(kept >= 0.5 * held && kept <= 100.0 * held))
+        for (const std::int32_t i : members) u[i] = before[i];
+    }
+    Projection done;
+    if (params.scope != Scope::front || !rescale_front(in, members, target - star, u, done))
+      done = project_total(members, *in.weight, target, in.capacity, u);
+    result.rescale = std::min(result.rescale, done.factor);
+    result.created += target - star;
+    result.excess += done.excess;
+  }
+  return result;
+}
+
+}  // namespace wick::diffusion

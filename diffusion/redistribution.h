@@ -1,0 +1,66 @@
+#pragma once
+/// The front and the rescaling of the total [Kim 2017, Eqs 8c-8g], over the scopes that keep it from acting at a
+/// distance.
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "diffusion/strain_diffusion.h"
+#include "diffusion/sums.h"
+
+namespace wick::diffusion {
+
+/// 1 where u_min <= u* <= u_max and more than `virgin` of the material is left (null: all of it).
+std::vector<std::uint8_t> front_band(const DiffusionParams& params, const std::vector<double>& u_star,
+                                     const std::vector<double>* fraction_left);
+
+/// What a projection did.
+struct Projection {
+  double factor = 1.0;  ///< r
+  double excess = 0.0;  ///< part of the target that the members cannot hold
+};
+
+/// Finds r >= 0 with Σ W min(cap, r v) = target over the members and applies it, exactly: the saturated set only
+/// grows, so it is found in a finite number of passes. cap 0: none. All zero stays as it is.
+Projection project_total(std::span<const std::int32_t> members, const std::vector<double>& weight, double target,
+                         double cap, std::vector<double>& v);
+
+/// Applies K = (M + R² L)^-1 to a right-hand side.
+using Kernel = std::function<std::vector<double>(const std::vector<double>& rhs)>;
+
+/// Takes the mean of C over each vertex's neighbourhood out again, in proportion to what the vertices hold:
+///   v = u* + C;  D = K (M v 1_taken);  u_i = v_i - v_i 1_taken [K (M C / D)]_i,  so Σ M u = Σ M u*.
+/// `c` is already masked with the front; taken = front (local_front) or everything (local, empty `taken`).
+/// Clamps at 0; returns the smallest factor applied.
+double redistribute_locally(const std::vector<double>& mass, const std::vector<double>& c,
+                            const std::vector<std::uint8_t>& taken, const Kernel& kernel, std::vector<double>& v);
+
+/// Everything that the rescaling needs to know.
+struct RescaleInput {
+  const VertexGroups* components = nullptr;
+  const VertexGroups* whole = nullptr;
+  const std::vector<double>* mass = nullptr;    ///< M
+  const std::vector<double>* weight = nullptr;  ///< M (area) or 1 (plain)
+  const std::vector<double>* u_star = nullptr;
+  const std::vector<double>* c = nullptr;  ///< masked with the front
+  const std::vector<std::uint8_t>* front = nullptr;
+  const std::vector<double>* supply = nullptr;  ///< what each vertex was given this step, in units of the weight
+  double capacity = 0.0;
+  double dt = 0.0;
+};
+
+struct RescaleResult {
+  double rescale = 1.0;  ///< smallest factor
+  double created = 0.0;  ///< Σ of targets - U*, in units of the weight
+  double excess = 0.0;   ///< in units of the weight
+};
+
+/// σ of one step: σ (per_step), σ^(dt/τ) (rate), 1 for influx, which scales the supply instead.
+double step_sigma(const DiffusionParams& params, double dt);
+
+/// Eqs (8c)-(8g): returns u in `u`, which enters as v = u* + C.
+RescaleResult rescale(const DiffusionParams& params, const RescaleInput& input, const Kernel& kernel,
+                      std::vector<double>& u);
+
+}  // namespace wick::diffusion

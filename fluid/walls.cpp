@@ -1,0 +1,54 @@
+#include "fluid/walls.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+
+namespace wick::fluid {
+
+namespace {
+
+/// Marks cells that have a closed face.
+void mark_touching(const Grid& grid, Walls& walls) {
+  walls.near.assign(grid.cells(), 0);
+  parallel_for(grid.nz, 4, [&](std::size_t plane) {
+    const int k = static_cast<int>(plane);
+    for (int j = 0; j < grid.ny; ++j)
+      for (int a = 0; a < 3; ++a) {
+        std::uint8_t* near = walls.near.data() + grid.cell(0, j, k);
+        const std::uint8_t* low = walls.closed[a].data() + grid.face(a, 0, j, k);
+        const std::uint8_t* high = walls.closed[a].data() + grid.face(a, a == 0, j + (a == 1), k + (a == 2));
+        for (int i = 0; i < grid.nx; ++i) near[i] |= low[i] | high[i];
+      }
+  });
+}
+
+/// Spreads marks by `reach` cells along one axis, around the box where it is periodic. `lines` lie
+/// `stride` apart along the axis.
+void spread(const Grid& grid, int axis, bool periodic, int reach, std::vector<std::uint8_t>& marks) {
+  const int n = grid.size(axis);
+  const std::size_t stride = axis == 0 ? 1 : axis == 1 ? grid.nx : std::size_t(grid.nx) * grid.ny;
+  const std::vector<std::uint8_t> before = marks;
+  const std::size_t planes = grid.cells() / (stride * n);
+  parallel_for(planes * n, 16, [&](std::size_t line) {
+    const std::size_t plane = line / n;
+    const int at = static_cast<int>(line % n);
+    std::uint8_t* to = marks.data() + (plane * n + at) * stride;
+    for (int shift = -reach; shift <= reach; ++shift) {
+      int from = at + shift;
+      if (periodic) from = ((from % n) + n) % n;
+      if (from < 0 || from >= n) continue;
+      const std::uint8_t* source = before.data() + (plane * n + from) * stride;
+      for (std::size_t i = 0; i < stride; ++i) to[i] |= source[i];
+    }
+  });
+}
+
+}  // namespace
+
+void mark_near_walls(const Grid& grid, const Sides& sides, Walls& walls) {
+  mark_touching(grid, walls);
+  for (int a = 0; a < 3; ++a) spread(grid, a, sides[2 * a] == Side::periodic, 2, walls.near);
+}
+
+}  // namespace wick::fluid

@@ -1,0 +1,185 @@
+#include "diffusion/redistribution.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "support.h"
+
+namespace wick::diffusion {
+namespace {
+
+using testing::Values;
+
+VertexGroups one_group(std::size_t n) {
+  VertexGroups g;
+  g.vertex.resize(n);
+  std::iota(g.vertex.begin(), g.vertex.end(), 0);
+  g.offset = {0, static_cast<std::int32_t>(n)};
+  return g;
+}
+
+/// Eqs (8e)-(8g) as printed: scale by the maximum, normalise, multiply.
+Values rescale_as_printed(const Values& v, double target) {
+  const double most = testing::largest(v);
+  Values scale;
+  double sum = 0.0;
+  for (const double value : v) scale.push_back(value / most), sum += value / most;
+  for (double& value : scale) value = value / sum * target;
+  return scale;
+}
+
+TEST(Rescale, WorkedExampleOfTheArticle) {
+  Values v = {5.7, 12.0, 2.0, 4.5, 9.3, 6.7, 4.1, 1.5};
+  const Values table = {0.535153, 1.126638, 0.187773, 0.422489, 0.873144, 0.629039, 0.384934, 0.140830};
+  const Values printed = rescale_as_printed(v, 4.3);
+  const VertexGroups group = one_group(v.size());
+  const Projection done = project_total(group[0], Values(v.size(), 1.0), 4.3, 0.0, v);
+  EXPECT_NEAR(done.factor, 0.093886463, 1e-9);
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    EXPECT_NEAR(v[i], table[i], 5e-7);
+    EXPECT_NEAR(v[i], printed[i], 1e-13);
+  }
+  EXPECT_NEAR(std::accumulate(v.begin(), v.end(), 0.0), 4.3, 1e-14);
+}
+
+/// Runs Eqs (8c)-(8g) on given u* and C with weight 1.
+Values run_rescale(DiffusionParams p, const Values& star, const Values& c, double cap = 0.0,
+                   RescaleResult* out = nullptr, const Kernel& kernel = {}) {
+  const VertexGroups group = one_group(star.size());
+  const Values one(star.size(), 1.0), none(star.size(), 0.0);
+  const auto front = front_band(p, star, nullptr);
+  Values masked = c, u = star;
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] += masked[i] *= front[i];
+  const RescaleInput in{.components = &group,
+                        .whole = &group,
+                        .mass = &one,
+                        .weight = &one,
+                        .u_star = &star,
+                        .c = &masked,
+                        .front = &front,
+                        .supply = &none,
+                        .capacity = cap,
+                        .dt = 0.1};
+  const RescaleResult result = rescale(p, in, kernel, u);
+  if (out != nullptr) *out = result;
+  return u;
+}
+
+DiffusionParams global_band(double low, double high) {
+  DiffusionParams p;
+  p.scope = Scope::global;
+  p.u_min = low;
+  p.u_max = high;
+  return p;
+}
+
+TEST(Rescale, FrontBandExample) {
+  RescaleResult result;
+  const Values u = run_rescale(global_band(0.1, 0.9), {0.0, 0.2, 0.5, 1.0}, Values(4, 0.1), 0.0, &result);
+  EXPECT_NEAR(result.rescale, 0.894736842, 1e-9);
+  const Values expected = {0.0, 0.268421, 0.536842, 0.894737};
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(u[i], expected[i], 5e-7);
+}
+
+TEST(Rescale, FrontScopeLeavesTheRestAlone) {
+  DiffusionParams p = global_band(0.1, 0.9);
+  p.scope = Scope::front;
+  const Values u = run_rescale(p, {0.0, 0.2, 0.5, 1.0}, Values(4, 0.1));
+  EXPECT_EQ(u[0], 0.0);
+  EXPECT_EQ(u[3], 1.0);
+  EXPECT_NEAR(u[1], 0.3 * 0.7 / 0.9, 1e-15);
+  EXPECT_NEAR(u[2], 0.6 * 0.7 / 0.9, 1e-15);
+}
+
+TEST(Rescale, LocalScopeWithAKernelOfOnesIsTheLiteralRescaling) {
+  const Values star = {0.0, 0.2, 0.5, 1.0}, c(4, 0.1);
+  const Kernel ones = [](const Values& rhs) {
+    return Values(rhs.size(), std::accumulate(rhs.begin(), rhs.end(), 0.0));
+  };
+  DiffusionParams p = global_band(0.1, 0.9);
+  const Values literal = run_rescale(p, star, c);
+  p.scope = Scope::local;
+  const Values local = run_rescale(p, star, c, 0.0, nullptr, ones);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(local[i], literal[i], 1e-15);
+  p.scope = Scope::front;
+  const Values front = run_rescale(p, star, c);
+  p.scope = Scope::local_front;
+  const Values local_front = run_rescale(p, star, c, 0.0, nullptr, ones);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(local_front[i], front[i], 1e-15);
+}
+
+TEST(Rescale, ScalesWithItsInput) {
+  DiffusionParams p = global_band(0.05, 0.9), p7 = global_band(0.35, 6.3);
+  const Values star = {0.0, 0.2, 0.5, 1.0, 0.07}, c = {0.1, 0.02, 0.3, 0.1, 0.2};
+  Values star7 = star, c7 = c;
+  for (double& v : star7) v *= 7.0;
+  for (double& v : c7) v *= 7.0;
+  const Values u = run_rescale(p, star, c), u7 = run_rescale(p7, star7, c7);
+  for (std::size_t i = 0; i < u.size(); ++i) EXPECT_NEAR(u7[i], 7.0 * u[i], 1e-14);
+}
+
+TEST(Rescale, FactorIsAtMostSigma) {
+  for (const double sigma : {0.2, 1.0, 3.0}) {
+    DiffusionParams p = global_band(0.05, 0.9);
+    p.sigma = sigma;
+    p.sigma_mode = SigmaMode::per_step;
+    RescaleResult result;
+    run_rescale(p, {0.1, 0.2, 0.3}, {0.0, 1e3, 0.1}, 0.0, &result);
+    EXPECT_LE(result.rescale, sigma);
+    EXPECT_GT(result.rescale, 0.0);
+  }
+}
+
+/// r of Σ W min(cap, r v) = target by bisection.
+double brute_force_factor(const Values& v, const Values& w, double target, double cap) {
+  double low = 0.0, high = 1e12;
+  for (int k = 0; k < 300; ++k) {
+    const double middle = 0.5 * (low + high);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < v.size(); ++i) sum += w[i] * std::min(cap, middle * v[i]);
+    (sum < target ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+TEST(Capacity, ProjectionMatchesABruteForceSearch) {
+  for (std::uint64_t trial = 0; trial < 100; ++trial) {
+    Values v, w;
+    double most = 0.0;
+    for (std::uint64_t i = 0; i < 50; ++i) {
+      v.push_back(std::pow(10.0, 3.0 * hash_signed(trial, 2 * i)));
+      w.push_back(0.1 + hash_unit(trial, 2 * i + 1));
+      most += w.back();
+    }
+    const double target = most * (0.01 + 0.98 * hash_unit(trial, 1000));
+    const double r = brute_force_factor(v, w, target, 1.0);
+    Values u = v;
+    const VertexGroups group = one_group(v.size());
+    const Projection done = project_total(group[0], w, target, 1.0, u);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      sum += w[i] * u[i];
+      EXPECT_NEAR(u[i], std::min(1.0, r * v[i]), 1e-10);
+      EXPECT_LE(u[i], 1.0);
+    }
+    EXPECT_NEAR(sum / target, 1.0, 1e-13);
+    EXPECT_EQ(done.excess, 0.0);
+  }
+}
+
+TEST(Capacity, ReturnsWhatTheSheetCannotHold) {
+  Values u = {0.5, 2.0, 1.0};
+  const VertexGroups group = one_group(3);
+  const Projection done = project_total(group[0], {1.0, 2.0, 3.0}, 10.0, 1.0, u);
+  EXPECT_EQ(u, Values(3, 1.0));
+  EXPECT_NEAR(done.excess, 4.0, 1e-14);
+}
+
+TEST(Rescale, NothingStaysNothing) {
+  const Values u = run_rescale(global_band(0.1, 0.9), Values(5, 0.0), Values(5, 1.0));
+  EXPECT_EQ(u, Values(5, 0.0));
+}
+
+}  // namespace
+}  // namespace wick::diffusion
