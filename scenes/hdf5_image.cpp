@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <stdexcept>
 
@@ -63,6 +64,12 @@ hid_t memory_access(std::size_t increment) {
   return list;
 }
 
+/// The library takes two open files in memory of one name for the same file.
+std::string unused_name() {
+  static std::atomic<std::uint64_t> count{0};
+  return fmt::format("memory {}", count++);
+}
+
 /// The memory grows by this at a time.
 constexpr std::size_t growth = 16 << 20;
 
@@ -86,7 +93,8 @@ struct Hdf5Writer::Impl {
   Handle access{memory_access(growth), H5Pclose, "memory driver"};
   Handle links{H5Pcreate(H5P_LINK_CREATE), H5Pclose, "link properties"};
   Handle creation{H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "dataset properties"};
-  Handle file{H5Fcreate("memory", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "cannot make a file in memory"};
+  Handle file{H5Fcreate(unused_name().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose,
+              "cannot make a file in memory"};
 
   Impl() {
     H5Pset_create_intermediate_group(links, 1);
@@ -130,7 +138,7 @@ Bytes Hdf5Writer::finish() {
 struct Hdf5Reader::Impl {
   explicit Impl(std::span<const char> bytes)
       : access(with_image(bytes), H5Pclose, "memory driver"),
-        file(H5Fopen("memory", H5F_ACC_RDONLY, access), H5Fclose, "not an HDF5 file") {}
+        file(H5Fopen(unused_name().c_str(), H5F_ACC_RDONLY, access), H5Fclose, "not an HDF5 file") {}
 
   static hid_t with_image(std::span<const char> bytes) {
     const hid_t list = memory_access(growth);
