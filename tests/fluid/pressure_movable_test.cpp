@@ -51,7 +51,9 @@ TEST(MovableWalls, APistonInAClosedBoxIsStoppedByTheGas) {
     // The gas cannot be compressed, so the net flow of the sheet is nothing; a rigid one stops dead.
     EXPECT_NEAR(flow, 0.0, 1e-6);
     EXPECT_LT(max_divergence(grid, velocity, &piston.walls, nullptr), 1e-5);
-    if (rigid) EXPECT_NEAR(impulse[0][2], -0.5 * 0.02 * 48, 1e-8);
+    if (rigid) {
+      EXPECT_NEAR(impulse[0][2], -0.5 * 0.02 * 48, 1e-8);
+    }
   }
 }
 
