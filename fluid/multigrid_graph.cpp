@@ -68,6 +68,7 @@ Graph coarser_graph(const Graph& fine) {
     graph.wraps[a] = fine.wraps[a] && graph.n[a] > 1;
   }
   graph.open = fine.open;
+  graph.finest = false;
   graph.state.assign(std::size_t(graph.n[0]) * graph.n[1] * graph.n[2], Graph::regular);
   return graph;
 }

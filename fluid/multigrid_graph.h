@@ -45,6 +45,7 @@ struct Graph {
   };
 
   Int3 n{};
+  bool finest = true;
   std::array<bool, 6> open{};               ///< sides with p = 0
   std::array<bool, 3> wraps{};              ///< periodic axes with more than one box
   std::array<bool, 3> halves{};             ///< axes along which the next level is coarser

@@ -35,8 +35,9 @@ void restore(Level& level, const Graph& graph, const std::vector<std::int32_t>& 
 float node_diagonal(const Graph& graph, const Int3& at, const Graph::Node& node) {
   float sum = graph.outside_weight(at, node);
   for (std::uint32_t l = node.link_begin; l < node.link_end; ++l) sum += graph.links[l].weight;
-  // A node without links is a closed part of its own: b is 0 there and p stays 0.
-  return sum > 0.0F ? sum : 1.0F;
+  // A node without links is a closed part of its own. On coarse levels its b is rounding noise, which must not
+  // feed the free constant: p is kept at 0. A single cell has b = 0 exactly.
+  return sum > 0.0F ? sum : graph.finest ? 1.0F : 1e30F;
 }
 
 void write_weights(const Graph& graph, Level& level, const Int3& at, const Graph::Node* node) {

@@ -160,7 +160,7 @@ float Level::regular_diagonal(int i, int j, int k) const {
   float d = row_diagonal(*this, j, k);
   if (i == 0) d += end_term[0][0];
   if (i == layout.nx - 1) d += end_term[0][1];
-  // A lone cell in a closed box has no neighbour: its equation is p = b, and b is 0.
+  // A lone cell in a closed box has no neighbour: its pressure is free, and kept at 0.
   return d > 0.0F ? d : 1.0F;
 }
 
@@ -181,7 +181,7 @@ void relax_plane(Level& level, int colour, int k) {
           for_row_ends(level, o, begin, end, [&](int m, float term) {
             const float sum =
                 b[m] + ((q.left[m] + q.right[m]) + (q.front[m] + q.back[m]) + (q.below[m] + q.above[m]));
-            p[m] = d + term > 0.0F ? sum / (d + term) : sum;
+            p[m] = d + term > 0.0F ? sum / (d + term) : 0.0F;
           });
         },
         [&](int begin, int end) {
@@ -211,7 +211,7 @@ void relax_plane_from_zero(Level& level, int colour, int k) {
           const float inverse = 1.0F / d;
           for (int m = begin; m < end; ++m) p[m] = b[m] * inverse;
           for_row_ends(level, o, begin, end,
-                       [&](int m, float term) { p[m] = d + term > 0.0F ? b[m] / (d + term) : b[m]; });
+                       [&](int m, float term) { p[m] = d + term > 0.0F ? b[m] / (d + term) : 0.0F; });
         },
         [&](int begin, int end) {
           for (int m = begin; m < end; ++m) p[m] = b[m] / diagonal[m];

@@ -1,8 +1,21 @@
 #include "fluid/pressure_movable.h"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace wick::fluid {
+
+namespace {
+
+/// A coefficient that floats add up without rounding: a multiple of 2⁻¹⁶ up to 2⁷. Rows of the matrix then sum to
+/// exactly 0, and constant pressure in a closed box stays without effect. E takes up the difference.
+float dyadic(double w) {
+  if (w <= 0.0) return 0.0F;
+  return static_cast<float>(std::ldexp(std::clamp(std::round(std::ldexp(w, 16)), 1.0, std::ldexp(1.0, 23)), -16));
+}
+
+}  // namespace
 
 MovableTerm::MovableTerm(const Grid& grid, const Sides& sides, const Walls& walls, const MovableWalls& movable,
                          double density)
@@ -67,7 +80,7 @@ MovableTerm::MovableTerm(const Grid& grid, const Sides& sides, const Walls& wall
   for (const Row& row : rows_) {
     double sum = 0.0;
     for (int k = 0; k < 3; ++k) sum += row.weight[k] * inverse_mass_[row.dof[k]] * push_[row.dof[k]][row.axis];
-    weak_.push_back({row.axis, row.face, static_cast<float>(coefficient_ * sum)});
+    weak_.push_back({row.axis, row.face, dyadic(coefficient_ * sum)});
   }
 }
 
