@@ -85,8 +85,8 @@ Cavity run_cavity(int n, double reynolds, double end) {
       if (psi < lowest) lowest = psi, result.vortex_x = double(i) / n, result.vortex_y = (j + 1.0) / n;
     }
   }
-  printf("cavity %d Re %g: error %.4f change %.1e vortex %.4f %.4f\n", n, reynolds, result.error, result.change,
-         result.vortex_x, result.vortex_y);
+  std::printf("cavity %d Re %g: error %.4f change %.1e vortex %.4f %.4f\n", n, reynolds, result.error,
+              result.change, result.vortex_x, result.vortex_y);
   return result;
 }
 
