@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <ostream>
 
 #include "core/require.h"
 #include "coupling/world.h"
@@ -67,6 +68,8 @@ struct Knob {
   const char* name;
   std::function<void(WorldParams&, double)> scale;
 };
+
+void PrintTo(const Knob& knob, std::ostream* out) { *out << knob.name; }
 
 class Extremes : public testing::TestWithParam<Knob> {};
 
