@@ -30,11 +30,17 @@ void visit_terms(StateVisitor& visitor, std::string_view name, std::map<std::str
 
 }  // namespace
 
-void Ledger::open() { opening_ = total_stock() - total_flow(); }
+void Ledger::open() {
+  opening_ = total_stock() - total_flow();
+}
 
-double Ledger::total_stock() const { return sum(stocks_); }
+double Ledger::total_stock() const {
+  return sum(stocks_);
+}
 
-double Ledger::total_flow() const { return sum(flows_); }
+double Ledger::total_flow() const {
+  return sum(flows_);
+}
 
 double Ledger::relative_error() const {
   double scale = std::abs(opening_);

@@ -18,6 +18,8 @@ inline double hash_unit(std::uint64_t seed, std::uint64_t index) {
 }
 
 /// Uniform in [-1, 1).
-inline double hash_signed(std::uint64_t seed, std::uint64_t index) { return 2.0 * hash_unit(seed, index) - 1.0; }
+inline double hash_signed(std::uint64_t seed, std::uint64_t index) {
+  return 2.0 * hash_unit(seed, index) - 1.0;
+}
 
 }  // namespace wick

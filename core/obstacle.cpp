@@ -44,7 +44,8 @@ DistanceSample sample(const SampledShape& grid, const Vec3& x) {
     f[a] = inside[a] - base[a];
   }
   const auto node = [&](int i, int j, int k) {
-    const std::size_t index = (base[0] + i) + std::size_t(grid.nodes[0]) * ((base[1] + j) + std::size_t(grid.nodes[1]) * (base[2] + k));
+    const std::size_t index =
+        (base[0] + i) + std::size_t(grid.nodes[0]) * ((base[1] + j) + std::size_t(grid.nodes[1]) * (base[2] + k));
     return static_cast<double>(grid.distance[index]);
   };
   double value = 0.0;

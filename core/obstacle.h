@@ -18,8 +18,8 @@ struct BoxShape {
 };
 /// Half space: solid where (x - point).normal < 0.
 struct PlaneShape {
-  Vec3 point = Vec3::Zero();      ///< [m]
-  Vec3 normal = Vec3(0, 0, 1);    ///< unit length
+  Vec3 point = Vec3::Zero();    ///< [m]
+  Vec3 normal = Vec3(0, 0, 1);  ///< unit length
 };
 /// Signed distance sampled at nodes, trilinear between them, x fastest; outside the box the distance to
 /// the box is added, so the value stays positive and grows.
@@ -33,9 +33,9 @@ struct SampledShape {
 struct Obstacle {
   std::string name;
   std::variant<SphereShape, BoxShape, PlaneShape, SampledShape> shape;
-  double friction = 0.3;               ///< Coulomb coefficient, static and kinetic alike
-  Vec3 velocity = Vec3::Zero();        ///< rigid translation [m/s]
-  Vec3 displacement = Vec3::Zero();    ///< how far it has moved since the start [m]
+  double friction = 0.3;             ///< Coulomb coefficient, static and kinetic alike
+  Vec3 velocity = Vec3::Zero();      ///< rigid translation [m/s]
+  Vec3 displacement = Vec3::Zero();  ///< how far it has moved since the start [m]
 };
 
 struct DistanceSample {

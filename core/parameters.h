@@ -22,11 +22,21 @@ struct Range {
   double max = std::numeric_limits<double>::infinity();
   bool above = false;  ///< true: value > min instead of value >= min
 };
-inline Range at_least(double min) { return {min, std::numeric_limits<double>::infinity(), false}; }
-inline Range above(double min) { return {min, std::numeric_limits<double>::infinity(), true}; }
-inline Range between(double min, double max) { return {min, max, false}; }
-inline Range above_up_to(double min, double max) { return {min, max, true}; }
-inline Range any_value() { return {}; }
+inline Range at_least(double min) {
+  return {min, std::numeric_limits<double>::infinity(), false};
+}
+inline Range above(double min) {
+  return {min, std::numeric_limits<double>::infinity(), true};
+}
+inline Range between(double min, double max) {
+  return {min, max, false};
+}
+inline Range above_up_to(double min, double max) {
+  return {min, max, true};
+}
+inline Range any_value() {
+  return {};
+}
 
 /// What a parameter is, besides its value. `unit` is "1" for pure numbers, "" for things without a unit.
 struct About {
@@ -55,8 +65,7 @@ class ParameterVisitor {
   /// A JSON object. `names` in error messages become /key/...
   virtual void group(const char* key, const char* doc, FunctionRef<void(ParameterVisitor&)> describe) = 0;
   /// An object that may be absent. engage(true) makes it exist with its defaults.
-  virtual void optional_group(const char* key, const char* doc, bool present,
-                              FunctionRef<void(bool)> engage,
+  virtual void optional_group(const char* key, const char* doc, bool present, FunctionRef<void(bool)> engage,
                               FunctionRef<void(ParameterVisitor&)> describe) = 0;
   /// An array of objects. resize(n) makes n default elements; describe(v, i) lists element i.
   /// Visitors that show defaults resize a copy: `describe_default` lists a default element.

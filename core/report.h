@@ -12,7 +12,7 @@ struct SolveReport {
   int iterations = 0;
   double residual_before = 0.0;
   double residual_after = 0.0;
-  double rhs_sum = 0.0;     ///< compatibility of a closed box: 0 up to rounding when solvable
+  double rhs_sum = 0.0;  ///< compatibility of a closed box: 0 up to rounding when solvable
   bool converged = true;
   double seconds = 0.0;
 };
@@ -25,9 +25,7 @@ class StageTimer {
  public:
   StageTimer(StageSeconds& stages, const std::string& stage)
       : seconds_(stages[stage]), start_(std::chrono::steady_clock::now()) {}
-  ~StageTimer() {
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  ~StageTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
 

@@ -13,10 +13,10 @@ enum class ExitCode : int {
   input_missing = 66,
   internal_fault = 70,
   output_cannot_be_made = 73,
-  input_output = 74,    ///< a write failed, a full disk included
-  checkpointed = 75,    ///< stopped on request: run the same command again
+  input_output = 74,  ///< a write failed, a full disk included
+  checkpointed = 75,  ///< stopped on request: run the same command again
   numerical_failure = 76,
-  refused = 77,         ///< the scene asks for more memory or disk than there is
+  refused = 77,  ///< the scene asks for more memory or disk than there is
 };
 
 /// A clean refusal: one line for the user, and the exit code that goes with it.

@@ -7,12 +7,15 @@ namespace wick {
 
 std::size_t scalar_size(ScalarType type) {
   switch (type) {
-    case ScalarType::u8: return 1;
+    case ScalarType::u8:
+      return 1;
     case ScalarType::f32:
-    case ScalarType::i32: return 4;
+    case ScalarType::i32:
+      return 4;
     case ScalarType::f64:
     case ScalarType::i64:
-    case ScalarType::u64: return 8;
+    case ScalarType::u64:
+      return 8;
   }
   return 0;
 }
@@ -41,10 +44,12 @@ std::uint64_t hash_bytes(const void* bytes, std::size_t size, std::uint64_t seed
   return h ^ (h >> 31);
 }
 
-void StateHash::mix(const void* bytes, std::size_t size) { hash_ = hash_bytes(bytes, size, hash_); }
+void StateHash::mix(const void* bytes, std::size_t size) {
+  hash_ = hash_bytes(bytes, size, hash_);
+}
 
-void StateHash::raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns,
-                    const void* data, FunctionRef<void*(std::size_t)>) {
+void StateHash::raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns, const void* data,
+                    FunctionRef<void*(std::size_t)>) {
   mix(name.data(), name.size());
   const std::uint64_t shape[3] = {static_cast<std::uint64_t>(type), rows, columns};
   mix(shape, sizeof shape);
@@ -56,8 +61,12 @@ void StateHash::strings(std::string_view name, std::vector<std::string>& values)
   for (const std::string& value : values) mix(value.data(), value.size());
 }
 
-void StateHash::begin_group(std::string_view name) { mix(name.data(), name.size()); }
+void StateHash::begin_group(std::string_view name) {
+  mix(name.data(), name.size());
+}
 
-void StateHash::end_group() { mix("/", 1); }
+void StateHash::end_group() {
+  mix("/", 1);
+}
 
 }  // namespace wick

@@ -16,11 +16,16 @@ enum class ScalarType { f32, f64, i32, i64, u8, u64 };
 
 template <class T>
 constexpr ScalarType scalar_type() {
-  if constexpr (std::is_same_v<T, float>) return ScalarType::f32;
-  else if constexpr (std::is_same_v<T, double>) return ScalarType::f64;
-  else if constexpr (std::is_same_v<T, std::int32_t>) return ScalarType::i32;
-  else if constexpr (std::is_same_v<T, std::int64_t>) return ScalarType::i64;
-  else if constexpr (std::is_same_v<T, std::uint64_t>) return ScalarType::u64;
+  if constexpr (std::is_same_v<T, float>)
+    return ScalarType::f32;
+  else if constexpr (std::is_same_v<T, double>)
+    return ScalarType::f64;
+  else if constexpr (std::is_same_v<T, std::int32_t>)
+    return ScalarType::i32;
+  else if constexpr (std::is_same_v<T, std::int64_t>)
+    return ScalarType::i64;
+  else if constexpr (std::is_same_v<T, std::uint64_t>)
+    return ScalarType::u64;
   else {
     static_assert(std::is_same_v<T, std::uint8_t>, "a type that a checkpoint can hold");
     return ScalarType::u8;
@@ -33,8 +38,8 @@ class StateVisitor {
 
   /// One array of `rows` x `columns` scalars at `data`. A reader calls resize(rows) first and fills the
   /// storage that it returns; every other visitor only looks at `data`.
-  virtual void raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns,
-                   const void* data, FunctionRef<void*(std::size_t rows)> resize) = 0;
+  virtual void raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns, const void* data,
+                   FunctionRef<void*(std::size_t rows)> resize) = 0;
   virtual void strings(std::string_view name, std::vector<std::string>& values) = 0;
   virtual void begin_group(std::string_view name) = 0;
   virtual void end_group() = 0;
@@ -46,7 +51,7 @@ class StateVisitor {
     end_group();
   }
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void array(std::string_view name, std::vector<T>& values) {
     raw(name, scalar_type<T>(), values.size(), 1, values.data(), [&](std::size_t rows) -> void* {
       values.resize(rows);
@@ -71,7 +76,7 @@ class StateVisitor {
 
   /// A single scalar, or a small fixed vector.
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   void value(std::string_view name, T& v) {
     raw(name, scalar_type<T>(), 1, 1, &v, [&](std::size_t) -> void* { return &v; });
   }

@@ -16,7 +16,8 @@ constexpr std::size_t kGrain = 2048;
 constexpr const char* kLawNames[] = {"threshold", "arrhenius"};
 
 /// Exact solution over dt of the mass-loss law at frozen theta; never below the ash fraction.
-double fraction_after(double mu, double theta, const BurningParams& p, double ambient, double reference, double dt) {
+double fraction_after(double mu, double theta, const BurningParams& p, double ambient, double reference,
+                      double dt) {
   if (mu <= p.ash) return mu;
   if (p.law == MassLoss::threshold) {
     const double drive = std::clamp((theta - p.ignition) / (1.0 - p.ignition), 0.0, 1.0);
@@ -28,7 +29,9 @@ double fraction_after(double mu, double theta, const BurningParams& p, double am
 }
 
 /// How far a place has burnt: 0 virgin, 1 ash.
-double burnt(double mu, const BurningParams& p) { return std::clamp((1.0 - mu) / (1.0 - p.ash), 0.0, 1.0); }
+double burnt(double mu, const BurningParams& p) {
+  return std::clamp((1.0 - mu) / (1.0 - p.ash), 0.0, 1.0);
+}
 
 }  // namespace
 
@@ -39,8 +42,8 @@ void describe(ParameterVisitor& v, SheetHeatParams& p) {
            p.reference_temperature);
   v.number({"heat_capacity", "J/(kg K)", between(1e-2, 1e7), "c of the sheet; paper 1400, cotton 1300"},
            p.heat_capacity);
-  v.number({"loss", "1/s", between(0, 1e6), "radiation and unresolved air: decay rate of theta; too large puts the fire out",
-            OnResume::may_change},
+  v.number({"loss", "1/s", between(0, 1e6),
+            "radiation and unresolved air: decay rate of theta; too large puts the fire out", OnResume::may_change},
            p.loss);
   v.number({"convection", "W/(m2 K)", between(0, 1e6), "h_conv between sheet and gas, per side; still air about 10",
             OnResume::may_change},
@@ -51,12 +54,15 @@ void describe(ParameterVisitor& v, BurningParams& p) {
   v.choice({"law", "", any_value(), "threshold: rate grows from theta_ign on; arrhenius: A exp(-T_act/T)"}, p.law,
            kLawNames);
   v.number({"ignition", "1", between(0, 0.999), "theta_ign: below it nothing burns (threshold law)"}, p.ignition);
-  v.number({"rate", "1/s", between(0, 1e6), "k_b: fraction of the mass lost a second at theta = 1", OnResume::may_change},
+  v.number({"rate", "1/s", between(0, 1e6), "k_b: fraction of the mass lost a second at theta = 1",
+            OnResume::may_change},
            p.rate);
   v.number({"pre_exponential", "1/s", between(0, 1e20), "A of the arrhenius law"}, p.pre_exponential);
-  v.number({"activation_temperature", "K", between(0, 1e6), "T_act of the arrhenius law"}, p.activation_temperature);
+  v.number({"activation_temperature", "K", between(0, 1e6), "T_act of the arrhenius law"},
+           p.activation_temperature);
   v.number({"ash", "1", between(1e-4, 0.999), "mu_ash: fraction of the mass that does not burn"}, p.ash);
-  v.number({"removal", "1", between(0, 1), "triangles whose vertices all have less mass left fall away as ash; 0: never"},
+  v.number({"removal", "1", between(0, 1),
+            "triangles whose vertices all have less mass left fall away as ash; 0: never"},
            p.removal);
   v.number({"sheet_heat", "1", between(0, 1e3),
             "eta_f: heat kept by the sheet per burnt mass in units of c (T_ref - T_amb); spreads the fire",
@@ -74,7 +80,8 @@ void describe(ParameterVisitor& v, BurningParams& p) {
   v.number({"curl", "1", between(0, 100), "rest curvature of a fully burnt place times curl_radius"}, p.curl);
   v.number({"curl_radius", "m", between(1e-6, 1e6), "radius to which a fully burnt place curls at curl = 1"},
            p.curl_radius);
-  v.number({"curl_noise", "1", between(0, 1), "share of the curl's direction that is seeded noise instead of the hotter side"},
+  v.number({"curl_noise", "1", between(0, 1),
+            "share of the curl's direction that is seeded noise instead of the hotter side"},
            p.curl_noise);
   v.integer({"seed", "", between(0, 2147483647), "of the curl noise"}, p.seed);
 }

@@ -21,11 +21,11 @@ namespace wick::coupling {
 
 /// What a sheet is as a carrier of heat; used by every scene with a diffusion section.
 struct SheetHeatParams {
-  double ambient_temperature = 293.15;   ///< T_amb where there is no gas grid [K]; with one, the gas's is used
-  double reference_temperature = 1100.0; ///< T_ref, where theta = 1 [K]
-  double heat_capacity = 1400.0;         ///< c of the sheet [J/(kg K)]
-  double loss = 0.4;                     ///< radiation and unresolved air: rate at which theta decays [1/s]
-  double convection = 20.0;              ///< h_conv between sheet and gas, per side [W/(m2 K)]
+  double ambient_temperature = 293.15;    ///< T_amb where there is no gas grid [K]; with one, the gas's is used
+  double reference_temperature = 1100.0;  ///< T_ref, where theta = 1 [K]
+  double heat_capacity = 1400.0;          ///< c of the sheet [J/(kg K)]
+  double loss = 0.4;                      ///< radiation and unresolved air: rate at which theta decays [1/s]
+  double convection = 20.0;               ///< h_conv between sheet and gas, per side [W/(m2 K)]
 };
 void describe(ParameterVisitor& visitor, SheetHeatParams& params);
 
@@ -33,28 +33,28 @@ enum class MassLoss { threshold, arrhenius };
 
 struct BurningParams {
   MassLoss law = MassLoss::threshold;
-  double ignition = 0.2;                 ///< theta_ign [-]
-  double rate = 4.0;                     ///< k_b: fraction of the mass lost a second at theta = 1 [1/s]
-  double pre_exponential = 1e6;          ///< A [1/s]
-  double activation_temperature = 12000; ///< T_act [K]
-  double ash = 0.08;                     ///< mu_ash: fraction that does not burn
-  double removal = 0.12;                 ///< triangles whose vertices all have mu below this fall away as ash
-  double sheet_heat = 1.6;               ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
-  double gas_heat = 2.0;                 ///< heat given to the gas per burnt mass, same unit
-  double smoke_yield = 0.15;             ///< y_s: smoke per burnt mass; the rest is unseen gas
-  double shrink = 0.8;                   ///< s_min: rest length of ash relative to virgin
-  double weaken = 0.15;                  ///< e_min: stiffness of ash relative to virgin
-  double curl = 1.0;                     ///< rest curvature of a fully burnt place is curl / curl_radius
-  double curl_radius = 0.03;             ///< [m]
-  double curl_noise = 0.5;               ///< share of the curl's direction that is seeded noise instead of the hotter side
+  double ignition = 0.2;                  ///< theta_ign [-]
+  double rate = 4.0;                      ///< k_b: fraction of the mass lost a second at theta = 1 [1/s]
+  double pre_exponential = 1e6;           ///< A [1/s]
+  double activation_temperature = 12000;  ///< T_act [K]
+  double ash = 0.08;                      ///< mu_ash: fraction that does not burn
+  double removal = 0.12;                  ///< triangles whose vertices all have mu below this fall away as ash
+  double sheet_heat = 1.6;    ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
+  double gas_heat = 2.0;      ///< heat given to the gas per burnt mass, same unit
+  double smoke_yield = 0.15;  ///< y_s: smoke per burnt mass; the rest is unseen gas
+  double shrink = 0.8;        ///< s_min: rest length of ash relative to virgin
+  double weaken = 0.15;       ///< e_min: stiffness of ash relative to virgin
+  double curl = 1.0;          ///< rest curvature of a fully burnt place is curl / curl_radius
+  double curl_radius = 0.03;  ///< [m]
+  double curl_noise = 0.5;    ///< share of the curl's direction that is seeded noise instead of the hotter side
   int seed = 1;
 };
 void describe(ParameterVisitor& visitor, BurningParams& params);
 
 /// Burning state of one sheet, V each.
 struct BurningState {
-  std::vector<double> fraction_left;   ///< mu, 1 = virgin
-  std::vector<double> curl;            ///< signed share of the mass lost with the +side hotter, in [-1, 1]
+  std::vector<double> fraction_left;  ///< mu, 1 = virgin
+  std::vector<double> curl;           ///< signed share of the mass lost with the +side hotter, in [-1, 1]
 };
 void visit(StateVisitor& visitor, BurningState& state);
 BurningState make_burning_state(std::size_t vertices);

@@ -22,7 +22,7 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
                      double convection, double dt, const fluid::SmokeParams& params, fluid::SmokeState& gas,
                      std::vector<double>& sheet_heat, std::vector<double>& hotter_side) {
   const double h = params.width / params.resolution[0];
-  const double gas_capacity = params.air_density * params.air_heat_capacity * h * h * h;   // J/K of a cell
+  const double gas_capacity = params.air_density * params.air_heat_capacity * h * h * h;  // J/K of a cell
 
   // Share each cell's heat among the vertex faces that see it, so that together they cannot take more than it has.
   std::vector<float> seen(gas.temperature.size(), 0.0F);
@@ -31,7 +31,7 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
       for (int n = 0; n < face.count; ++n) seen[face.cell[n]] += face.weight[n];
 
   double total = 0.0;
-  std::vector<std::pair<std::int64_t, double>> given;   // heat taken from cells, applied after all have been read
+  std::vector<std::pair<std::int64_t, double>> given;  // heat taken from cells, applied after all have been read
   for (std::size_t i = 0; i < stencils.size(); ++i) {
     double gas_kelvin[2] = {0.0, 0.0};
     if (capacity[i] <= 0.0) continue;
@@ -61,8 +61,8 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
 }
 
 Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<double>& smoke,
-                  const std::vector<double>& heat, const std::vector<double>& flame, const fluid::SmokeParams& params,
-                  fluid::SmokeState& gas) {
+                  const std::vector<double>& heat, const std::vector<double>& flame,
+                  const fluid::SmokeParams& params, fluid::SmokeState& gas) {
   const double h = params.width / params.resolution[0];
   const double volume = h * h * h;
   const double gas_capacity = params.air_density * params.air_heat_capacity * volume;

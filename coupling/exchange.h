@@ -33,16 +33,16 @@ std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sh
 struct SweptLoss {
   double smoke = 0.0, heat = 0.0;
 };
-SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept, const fluid::SmokeParams& params,
-                          fluid::SmokeState& gas);
+SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
+                          const fluid::SmokeParams& params, fluid::SmokeState& gas);
 
 /// Newton cooling between each face of the sheet and the gas that it sees, integrated exactly for each pair over
 /// dt so that no step overshoots. `areas` (V, [m2]), `capacity` M c (V, [J per unit theta]).
-/// Adds to `sheet_heat` (V, [J], + into the sheet) and takes the same from the gas. Returns the sum into the sheets.
-/// `hotter_side` (V, [-1,1]) is set from the difference of the gas temperatures on the two faces.
+/// Adds to `sheet_heat` (V, [J], + into the sheet) and takes the same from the gas. Returns the sum into the
+/// sheets. `hotter_side` (V, [-1,1]) is set from the difference of the gas temperatures on the two faces.
 struct HeatScale {
-  double ambient;      ///< T_amb [K]
-  double kelvin;       ///< T_ref - T_amb: kelvin per unit theta
+  double ambient;  ///< T_amb [K]
+  double kelvin;   ///< T_ref - T_amb: kelvin per unit theta
 };
 double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vector<double>& areas,
                      const std::vector<double>& theta, const std::vector<double>& capacity, const HeatScale& scale,
@@ -52,12 +52,12 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
 /// Puts smoke [kg], heat [J] (V each) and a flame of the given strength (V, 0..1) into the cells that the vertices
 /// see, half on each face where both see gas. What no face can take is returned as escaped.
 struct Deposited {
-  double smoke = 0.0, heat = 0.0;                   ///< now in the gas
-  double escaped_smoke = 0.0, escaped_heat = 0.0;   ///< outside the box, or buried
+  double smoke = 0.0, heat = 0.0;                  ///< now in the gas
+  double escaped_smoke = 0.0, escaped_heat = 0.0;  ///< outside the box, or buried
 };
 Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<double>& smoke,
-                  const std::vector<double>& heat, const std::vector<double>& flame, const fluid::SmokeParams& params,
-                  fluid::SmokeState& gas);
+                  const std::vector<double>& heat, const std::vector<double>& flame,
+                  const fluid::SmokeParams& params, fluid::SmokeState& gas);
 
 /// The sheets' masses as the simultaneous pressure solve wants them. Degrees of freedom are the vertices of all
 /// sheets one after the other; `inverse_mass` has one entry for each [1/kg].

@@ -12,15 +12,17 @@ namespace wick::coupling {
 
 SampledShape sample_mesh_distance(const std::vector<Vec3>& positions, const std::vector<Int3>& triangles,
                                   double spacing, const std::string& pointer) {
-  constexpr int kMargin = 3;                 // cells around the mesh; beyond it the distance to the box is added
-  constexpr double kMostNodes = 2e8;         // 0.8 GB of float
+  constexpr int kMargin = 3;          // cells around the mesh; beyond it the distance to the box is added
+  constexpr double kMostNodes = 2e8;  // 0.8 GB of float
   require(!triangles.empty(), pointer + "/file", "has no triangles");
   Vec3 low = positions.front(), high = low;
   for (const Vec3& x : positions) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const Vec3 extent = (high - low) / spacing;
-  const double nodes = (extent.x() + 2 * kMargin + 2) * (extent.y() + 2 * kMargin + 2) * (extent.z() + 2 * kMargin + 2);
+  const double nodes =
+      (extent.x() + 2 * kMargin + 2) * (extent.y() + 2 * kMargin + 2) * (extent.z() + 2 * kMargin + 2);
   require(nodes <= kMostNodes, pointer + "/spacing",
-          "would need " + std::to_string(nodes * 4e-9) + " GB for the obstacle's distance; take a larger one", ExitCode::refused);
+          "would need " + std::to_string(nodes * 4e-9) + " GB for the obstacle's distance; take a larger one",
+          ExitCode::refused);
 
   openvdb::initialize();
   SampledShape shape;
@@ -38,7 +40,8 @@ SampledShape sample_mesh_distance(const std::vector<Vec3>& positions, const std:
   // Inside, the distance is wanted everywhere: a vertex that got in must find its way out.
   const float inner = static_cast<float>(extent.maxCoeff()) + 2 * kMargin;
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(points, faces);
-  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, openvdb::math::Transform(), kMargin + 2.0F, inner);
+  const auto grid =
+      openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, openvdb::math::Transform(), kMargin + 2.0F, inner);
 
   openvdb::tools::Dense<float, openvdb::tools::LayoutXYZ> dense(
       openvdb::CoordBBox(0, 0, 0, shape.nodes[0] - 1, shape.nodes[1] - 1, shape.nodes[2] - 1), 0.0F);

@@ -67,8 +67,8 @@ class LineCrossings {
       }
   }
 
-  void add_crossing(std::int32_t triangle, int axis, double depth, int m, int n, const std::array<double, 3>& weight,
-                    int facing, std::vector<WallHit>& hits) const {
+  void add_crossing(std::int32_t triangle, int axis, double depth, int m, int n,
+                    const std::array<double, 3>& weight, int facing, std::vector<WallHit>& hits) const {
     if (depth < -1.0 || depth > grid_.size(axis)) return;
     const int low = static_cast<int>(std::floor(depth - kCenterMargin));
     const int high = static_cast<int>(std::floor(depth + kCenterMargin));
@@ -79,8 +79,14 @@ class LineCrossings {
       cell[(axis + 1) % 3] = m;
       cell[(axis + 2) % 3] = n;
       const auto face = static_cast<std::int64_t>(grid_.face(axis, cell[0], cell[1], cell[2]));
-      hits.push_back({number_, triangle, weight, static_cast<std::int8_t>(axis), static_cast<std::int8_t>(facing), face,
-                      {cell[0], cell[1], cell[2]}, below == static_cast<int>(std::floor(depth)) ? 1 : 0});
+      hits.push_back({number_,
+                      triangle,
+                      weight,
+                      static_cast<std::int8_t>(axis),
+                      static_cast<std::int8_t>(facing),
+                      face,
+                      {cell[0], cell[1], cell[2]},
+                      below == static_cast<int>(std::floor(depth)) ? 1 : 0});
     }
   }
 
@@ -90,7 +96,8 @@ class LineCrossings {
 };
 
 /// All crossings of one sheet, in the order of its triangles at any thread count.
-void collect_hits(const fluid::Grid& grid, const SheetSurface& sheet, std::int32_t number, std::vector<WallHit>& hits) {
+void collect_hits(const fluid::Grid& grid, const SheetSurface& sheet, std::int32_t number,
+                  std::vector<WallHit>& hits) {
   const std::size_t triangles = sheet.mesh->triangle_count();
   std::vector<std::vector<WallHit>> found((triangles + kTriangleGrain - 1) / kTriangleGrain);
   const LineCrossings crossings(grid, sheet, number);
@@ -108,7 +115,9 @@ Vec3 hit_point(const SheetSurface& sheet, const WallHit& hit, const std::vector<
 
 }  // namespace
 
-Vec3 grid_line_offset() { return {3.1e-6, 5.3e-6, 7.7e-6}; }
+Vec3 grid_line_offset() {
+  return {3.1e-6, 5.3e-6, 7.7e-6};
+}
 
 Raster::Raster(const fluid::Grid& grid, const fluid::Sides& sides) : grid_(grid), sides_(sides) {
   walls_.solid.assign(grid.cells(), 0);
@@ -183,7 +192,8 @@ void Raster::close_obstacle_faces(const std::vector<Obstacle>& obstacles) {
           std::uint8_t mark = 0;
           const Vec3 center = grid_.cell_center(i, j, static_cast<int>(k));
           for (std::size_t n = 0; n < obstacles.size() && mark == 0; ++n)
-            if (sample_distance(obstacles[n], center).distance < 0) mark = static_cast<std::uint8_t>(std::min<std::size_t>(n + 1, 255));
+            if (sample_distance(obstacles[n], center).distance < 0)
+              mark = static_cast<std::uint8_t>(std::min<std::size_t>(n + 1, 255));
           obstacle_mark_[grid_.cell(i, j, static_cast<int>(k))] = mark;
         }
     });

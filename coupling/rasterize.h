@@ -25,12 +25,12 @@ struct SheetSurface {
 struct WallHit {
   std::int32_t sheet;
   std::int32_t triangle;
-  std::array<double, 3> weight;   ///< barycentric, of the triangle's vertices
-  std::int8_t axis;               ///< of the face
-  std::int8_t facing;             ///< +1: the triangle's normal points along +axis, -1: along -axis
-  std::int64_t face;              ///< index among the faces of the axis
-  std::array<std::int32_t, 3> cell;   ///< (i, j, k) of the cell above the face; the one below is one less along axis
-  std::int32_t crossings = 1;     ///< times that sheets cross the segment: even when its ends are on the same side
+  std::array<double, 3> weight;      ///< barycentric, of the triangle's vertices
+  std::int8_t axis;                  ///< of the face
+  std::int8_t facing;                ///< +1: the triangle's normal points along +axis, -1: along -axis
+  std::int64_t face;                 ///< index among the faces of the axis
+  std::array<std::int32_t, 3> cell;  ///< (i, j, k) of the cell above the face; the one below is one less along axis
+  std::int32_t crossings = 1;  ///< times that sheets cross the segment: even when its ends are on the same side
 };
 
 /// Everything the gas and the exchange need to know of the sheets' place in the grid.
@@ -62,8 +62,8 @@ class Raster {
   fluid::Walls walls_;
   std::vector<WallHit> hits_;
   std::array<std::vector<std::int32_t>, 3> hit_at_;
-  std::vector<std::uint8_t> obstacle_mark_;   ///< per cell: 1 + obstacle number (0: none), of the last see()
-  std::vector<Vec3> obstacle_place_;          ///< displacement for which obstacle_mark_ holds
+  std::vector<std::uint8_t> obstacle_mark_;  ///< per cell: 1 + obstacle number (0: none), of the last see()
+  std::vector<Vec3> obstacle_place_;         ///< displacement for which obstacle_mark_ holds
 };
 
 /// Cells whose centre a sheet passed while moving linearly from `before` to `after` (V each): an odd number of

@@ -29,17 +29,22 @@ std::string beside_scene(const WorldParams& world, const std::string& file) {
 
 solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, const WorldParams& world) {
   switch (p.kind) {
-    case MeshKind::rectangle: return solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice);
-    case MeshKind::icosphere: return solid::icosphere(p.subdivisions, p.radius);
+    case MeshKind::rectangle:
+      return solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice);
+    case MeshKind::icosphere:
+      return solid::icosphere(p.subdivisions, p.radius);
     case MeshKind::cylinder:
       require(p.vertices[0] >= 3, pointer + "/vertices", "a cylinder needs at least 3 vertices around");
       return solid::cylinder(p.size[0], p.size[1], p.vertices[0], p.vertices[1]);
-    case MeshKind::file: break;
+    case MeshKind::file:
+      break;
   }
   require(!p.file.empty(), pointer + "/file", "missing (kind is \"file\"); name a PLY or OBJ beside the scene");
-  solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
+  solid::TriangleSoup soup =
+      with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
   for (int n = 0; n < p.subdivisions; ++n) {
-    require(soup.triangles.size() < 50'000'000, pointer + "/subdivisions", "more than 200 million triangles; lower it");
+    require(soup.triangles.size() < 50'000'000, pointer + "/subdivisions",
+            "more than 200 million triangles; lower it");
     soup = solid::subdivide(soup);
   }
   return soup;
@@ -78,11 +83,16 @@ void add_wrinkles(Sheet& sheet) {
 bool on_edge(PinEdge edge, const Vec2& material, const Vec2& low, const Vec2& high) {
   const Vec2 margin = 1e-9 * (high - low);
   switch (edge) {
-    case PinEdge::none: return false;
-    case PinEdge::lower_x: return material.x() <= low.x() + margin.x();
-    case PinEdge::upper_x: return material.x() >= high.x() - margin.x();
-    case PinEdge::lower_y: return material.y() <= low.y() + margin.y();
-    case PinEdge::upper_y: return material.y() >= high.y() - margin.y();
+    case PinEdge::none:
+      return false;
+    case PinEdge::lower_x:
+      return material.x() <= low.x() + margin.x();
+    case PinEdge::upper_x:
+      return material.x() >= high.x() - margin.x();
+    case PinEdge::lower_y:
+      return material.y() <= low.y() + margin.y();
+    case PinEdge::upper_y:
+      return material.y() >= high.y() - margin.y();
   }
   return false;
 }
@@ -96,7 +106,8 @@ PinSet build_pin(const Sheet& sheet, const PinParams& p, const std::string& poin
     held[vertex] = 1;
   }
   if (p.edge != PinEdge::none) {
-    require(sheet.params.mesh.kind == MeshKind::rectangle, pointer + "/edge", "only a rectangle has named edges; use point and radius");
+    require(sheet.params.mesh.kind == MeshKind::rectangle, pointer + "/edge",
+            "only a rectangle has named edges; use point and radius");
     Vec2 low = Vec2::Constant(INFINITY), high = -low;
     for (const Vec2& m : sheet.mesh.material) low = low.cwiseMin(m), high = high.cwiseMax(m);
     for (std::size_t i = 0; i < count; ++i)
@@ -109,7 +120,8 @@ PinSet build_pin(const Sheet& sheet, const PinParams& p, const std::string& poin
     pin.vertices.push_back(static_cast<std::int32_t>(i));
     pin.start.push_back(sheet.state.x[i]);
   }
-  require(!pin.vertices.empty(), pointer, "holds no vertex; give vertices, an edge, or a point with a radius that reaches one");
+  require(!pin.vertices.empty(), pointer,
+          "holds no vertex; give vertices, an edge, or a point with a radius that reaches one");
   return pin;
 }
 
@@ -198,7 +210,8 @@ std::vector<Obstacle> build_obstacles(const WorldParams& world) {
   for (std::size_t n = 0; n < world.obstacles.size(); ++n) {
     const ObstacleParams& p = world.obstacles[n];
     const std::string pointer = "/obstacles/" + std::to_string(n);
-    Obstacle obstacle{.name = p.name, .shape = SphereShape{p.center, p.radius}, .friction = p.friction, .velocity = p.velocity};
+    Obstacle obstacle{
+        .name = p.name, .shape = SphereShape{p.center, p.radius}, .friction = p.friction, .velocity = p.velocity};
     if (p.kind == ObstacleKind::box) {
       require((p.upper - p.lower).minCoeff() > 0.0, pointer + "/upper", "must exceed lower in every direction");
       obstacle.shape = BoxShape{p.lower, p.upper};
@@ -206,8 +219,10 @@ std::vector<Obstacle> build_obstacles(const WorldParams& world) {
       require(p.normal.norm() > 1e-9, pointer + "/normal", "has no length (a plane needs a direction)");
       obstacle.shape = PlaneShape{p.center, p.normal.normalized()};
     } else if (p.kind == ObstacleKind::mesh) {
-      require(!p.file.empty(), pointer + "/file", "missing (kind is \"mesh\"); name a closed PLY or OBJ beside the scene");
-      solid::TriangleSoup soup = with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
+      require(!p.file.empty(), pointer + "/file",
+              "missing (kind is \"mesh\"); name a closed PLY or OBJ beside the scene");
+      solid::TriangleSoup soup =
+          with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
       for (Vec3& x : soup.positions) x = p.scale * x + p.center;
       obstacle.shape = sample_mesh_distance(soup.positions, soup.triangles, p.spacing, pointer);
     }

@@ -17,7 +17,7 @@ namespace wick::coupling {
 struct PinSet {
   PinParams params;
   std::vector<std::int32_t> vertices;
-  std::vector<Vec3> start;   ///< [m]
+  std::vector<Vec3> start;  ///< [m]
 };
 
 /// What the last step did to the sheet, for metrics.
@@ -28,24 +28,24 @@ struct SheetReport {
 
 struct Sheet {
   std::string name;
-  std::string pointer;                  ///< of its section, for messages
+  std::string pointer;  ///< of its section, for messages
   ShellSection params;
-  double areal_mass = 0.0;              ///< rho t [kg/m2]
+  double areal_mass = 0.0;  ///< rho t [kg/m2]
 
-  solid::ShellMesh original;            ///< as built
-  std::vector<std::uint8_t> alive;      ///< per original triangle
-  solid::ShellMesh mesh;                ///< the alive triangles, in the order of the original
+  solid::ShellMesh original;        ///< as built
+  std::vector<std::uint8_t> alive;  ///< per original triangle
+  solid::ShellMesh mesh;            ///< the alive triangles, in the order of the original
   solid::ShellState state;
-  solid::ShellInputs base, inputs;      ///< virgin, and as burning has left them
+  solid::ShellInputs base, inputs;  ///< virgin, and as burning has left them
   std::vector<PinSet> pins;
 
-  std::vector<double> theta;            ///< (T - T_amb)/(T_ref - T_amb), V; empty without diffusion
-  std::vector<double> heat_capacity;    ///< [J per unit theta], V
-  BurningState burning;                 ///< empty without burning
-  std::vector<Vec3> seen_x;             ///< where the gas last saw the sheet, scratch of one step; empty: not yet
+  std::vector<double> theta;          ///< (T - T_amb)/(T_ref - T_amb), V; empty without diffusion
+  std::vector<double> heat_capacity;  ///< [J per unit theta], V
+  BurningState burning;               ///< empty without burning
+  std::vector<Vec3> seen_x;           ///< where the gas last saw the sheet, scratch of one step; empty: not yet
 
-  std::unique_ptr<solid::ShellSolver> shell;                 ///< null for a held sheet
-  std::unique_ptr<diffusion::DiffusionSolver> diffusion;     ///< null without diffusion
+  std::unique_ptr<solid::ShellSolver> shell;              ///< null for a held sheet
+  std::unique_ptr<diffusion::DiffusionSolver> diffusion;  ///< null without diffusion
   SheetReport report;
 
   [[nodiscard]] SheetSurface surface() const { return {&mesh, &state.x, &state.v}; }
@@ -54,7 +54,8 @@ struct Sheet {
 /// Builds the sheet of one section. Throws Refusal with the pointer of the parameter at fault.
 Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world);
 
-/// Rebuilds mesh, solvers and inputs of `sheet` after `sheet.alive` has changed (or has been read from a checkpoint).
+/// Rebuilds mesh, solvers and inputs of `sheet` after `sheet.alive` has changed (or has been read from a
+/// checkpoint).
 void rebuild_topology(Sheet& sheet, const WorldParams& world);
 
 /// Where the pins hold their vertices at time t; pins that have let go hold none.

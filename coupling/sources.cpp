@@ -11,7 +11,9 @@ namespace wick::coupling {
 
 namespace {
 
-Vec3 source_center(const HeatSourceParams& source, double time) { return source.center + time * source.velocity; }
+Vec3 source_center(const HeatSourceParams& source, double time) {
+  return source.center + time * source.velocity;
+}
 
 /// Share of [time, time + dt] in which the source is on.
 double on_share(const HeatSourceParams& source, double time, double dt) {
@@ -45,25 +47,33 @@ void for_cells_in_ball(const fluid::Grid& grid, const Vec3& center, double radiu
 }  // namespace
 
 void check_world(const WorldParams& p) {
-  require(!p.burning || p.diffusion, "/burning", "needs a diffusion section (burning is driven by the heat that diffuses)");
-  require(!p.diffusion || !p.shells.empty(), "/diffusion", "needs at least one entry in shells (it works on sheets)");
-  require(!(p.wind && p.smoke), "/wind", "cannot be combined with smoke (the gas itself is the air); remove one of the two");
+  require(!p.burning || p.diffusion, "/burning",
+          "needs a diffusion section (burning is driven by the heat that diffuses)");
+  require(!p.diffusion || !p.shells.empty(), "/diffusion",
+          "needs at least one entry in shells (it works on sheets)");
+  require(!(p.wind && p.smoke), "/wind",
+          "cannot be combined with smoke (the gas itself is the air); remove one of the two");
   const double ambient = p.smoke ? p.smoke->ambient_temperature : p.heat.ambient_temperature;
   require(p.heat.reference_temperature >= ambient + 1.0, "/heat/reference_temperature",
           "must exceed the ambient temperature by at least 1 K (theta is measured between the two)");
-  require(!p.shells.empty() || p.smoke, "/shells", "missing, and no smoke either (the scene has nothing to simulate)");
+  require(!p.shells.empty() || p.smoke, "/shells",
+          "missing, and no smoke either (the scene has nothing to simulate)");
   std::set<std::string> names;
   for (std::size_t n = 0; n < p.shells.size(); ++n) {
     const std::string pointer = "/shells/" + std::to_string(n) + "/name";
     const std::string& name = p.shells[n].name;
-    const bool plain = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-") == std::string::npos;
-    require(plain && name.front() != '.', pointer, "\"" + name + "\" cannot name a file; use letters, digits, _ . -");
+    const bool plain = !name.empty() && name.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-") ==
+                                            std::string::npos;
+    require(plain && name.front() != '.', pointer,
+            "\"" + name + "\" cannot name a file; use letters, digits, _ . -");
     require(names.insert(name).second, pointer, "\"" + name + "\" is taken by an earlier shell; names must differ");
   }
   if (p.smoke)
     for (int a = 0; a < 3; ++a)
-      require((p.smoke->sides[2 * a] == fluid::Side::periodic) == (p.smoke->sides[2 * a + 1] == fluid::Side::periodic),
-              "/smoke/sides", "a periodic side needs a periodic opposite side");
+      require(
+          (p.smoke->sides[2 * a] == fluid::Side::periodic) == (p.smoke->sides[2 * a + 1] == fluid::Side::periodic),
+          "/smoke/sides", "a periodic side needs a periodic opposite side");
 }
 
 std::uint64_t estimate_world_bytes(const WorldParams& p) {
@@ -74,14 +84,14 @@ std::uint64_t estimate_world_bytes(const WorldParams& p) {
   for (const ShellSection& shell : p.shells) {
     double vertices = double(shell.mesh.vertices[0]) * shell.mesh.vertices[1];
     if (shell.mesh.kind == MeshKind::icosphere) vertices = 10.0 * std::pow(4.0, shell.mesh.subdivisions) + 2.0;
-    if (shell.mesh.kind == MeshKind::file) vertices = 0.0;   // known once it is read, and refused there
+    if (shell.mesh.kind == MeshKind::file) vertices = 0.0;  // known once it is read, and refused there
     bytes += kPerVertex * vertices;
   }
   return static_cast<std::uint64_t>(std::min(bytes, 1e18));
 }
 
-fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, const fluid::Walls& walls, double time,
-                                double dt) {
+fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, const fluid::Walls& walls,
+                                double time, double dt) {
   fluid::SmokeSources sources;
   sources.gravity = p.gravity;
   for (const HeatSourceParams& source : p.heat_sources) {
@@ -101,7 +111,8 @@ fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, c
   return sources;
 }
 
-SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambient, double kelvin, double time, double dt) {
+SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambient, double kelvin, double time,
+                         double dt) {
   SheetSupply supply;
   const std::size_t count = sheet.mesh.vertex_count();
   supply.loss.resize(count);
@@ -149,11 +160,25 @@ std::vector<Vec3> wind_at(const WorldParams& p, const std::vector<Vec3>& x, doub
   return air;
 }
 
+double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid) {
+  const Vec3 low = grid.origin - Vec3::Constant(grid.h);
+  const Vec3 high = grid.origin + grid.h * Vec3(grid.nx + 1, grid.ny + 1, grid.nz + 1);
+  double fastest = 0.0;
+  for (const Sheet& sheet : sheets)
+    for (std::size_t i = 0; i < sheet.state.x.size(); ++i) {
+      const Vec3& x = sheet.state.x[i];
+      const bool near = (x.array() > low.array()).all() && (x.array() < high.array()).all();
+      if (near && sheet.mesh.component[i] >= 0) fastest = std::max(fastest, sheet.state.v[i].norm());
+    }
+  return fastest;
+}
+
 std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t) {
   std::vector<double> inverse;
   for (const Sheet& sheet : sheets) {
     const std::size_t first = inverse.size();
-    for (const double mass : sheet.inputs.mass) inverse.push_back(mass > 0.0 && sheet.params.moves ? 1.0 / mass : 0.0);
+    for (const double mass : sheet.inputs.mass)
+      inverse.push_back(mass > 0.0 && sheet.params.moves ? 1.0 / mass : 0.0);
     for (const std::int32_t vertex : pins_at(sheet, t).vertex) inverse[first + vertex] = 0.0;
   }
   return inverse;
@@ -161,7 +186,7 @@ std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t) {
 
 Shed shed_triangles(Sheet& sheet, const std::vector<std::uint8_t>& keep) {
   Shed shed;
-  std::size_t now = 0;   // index among the alive triangles
+  std::size_t now = 0;  // index among the alive triangles
   for (std::uint8_t& alive : sheet.alive) {
     if (!alive) continue;
     const std::size_t t = now++;
@@ -198,8 +223,10 @@ void add_shown_values(ShellView& view, const Sheet& sheet, double ambient, doubl
     add("temperature", sheet.theta, kelvin, ambient);
     add("u", sheet.theta, 1.0, 0.0);
     const std::vector<double>& strain = sheet.diffusion->strain_vertex();
-    if (strain.size() == sheet.theta.size()) add("C", strain, 1.0, 0.0);
-    else view.values.emplace_back("C", std::vector<float>(sheet.theta.size(), 0.0F));
+    if (strain.size() == sheet.theta.size())
+      add("C", strain, 1.0, 0.0);
+    else
+      view.values.emplace_back("C", std::vector<float>(sheet.theta.size(), 0.0F));
   }
   if (!sheet.burning.fraction_left.empty()) add("char", sheet.burning.fraction_left, -1.0, 1.0);
 }

@@ -17,13 +17,13 @@ std::uint64_t estimate_world_bytes(const WorldParams& params);
 
 /// Smoke and heat that the heat sources give to the gas during [time, time + dt], spread evenly over the cells
 /// of each ball that are not inside an obstacle.
-fluid::SmokeSources gas_sources(const WorldParams& params, const fluid::Grid& grid, const fluid::Walls& walls, double time,
-                                double dt);
+fluid::SmokeSources gas_sources(const WorldParams& params, const fluid::Grid& grid, const fluid::Walls& walls,
+                                double time, double dt);
 
 /// Implicit supply and loss of one sheet, per vertex, in the units of DiffusionInput.
 struct SheetSupply {
   std::vector<double> rate, value, loss;
-  bool any = false;   ///< a source reaches the sheet now
+  bool any = false;  ///< a source reaches the sheet now
 };
 SheetSupply sheet_supply(const WorldParams& params, const Sheet& sheet, double ambient, double kelvin, double time,
                          double dt);
@@ -31,14 +31,17 @@ SheetSupply sheet_supply(const WorldParams& params, const Sheet& sheet, double a
 /// Velocity of the air around the given places without a gas grid (same count), empty in still air.
 std::vector<Vec3> wind_at(const WorldParams& params, const std::vector<Vec3>& x, double time);
 
+/// Largest speed of the vertices that are in the grid's box, or would be within a cell of it [m/s].
+double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid);
+
 /// 1/m of every vertex of every sheet, 0 where a pin holds it at time t, or the sheet is held.
 std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t);
 
 /// Marks the triangles without keep[t] as gone in sheet.alive. The mesh itself is rebuilt by the caller.
 struct Shed {
   std::size_t triangles = 0;
-  double mass = 0.0;   ///< that they took along [kg]
-  double heat = 0.0;   ///< [J]
+  double mass = 0.0;  ///< that they took along [kg]
+  double heat = 0.0;  ///< [J]
 };
 Shed shed_triangles(Sheet& sheet, const std::vector<std::uint8_t>& keep);
 

@@ -14,7 +14,9 @@ constexpr std::size_t kTriangleGrain = 512;
 /// Coefficients of a cubic polynomial in t, constant first.
 using Cubic = std::array<double, 4>;
 
-double evaluate(const Cubic& c, double t) { return ((c[3] * t + c[2]) * t + c[1]) * t + c[0]; }
+double evaluate(const Cubic& c, double t) {
+  return ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
+}
 
 /// Sign changes of the cubic on (from, to], found by bisection on an interval where it is monotone.
 void add_root(const Cubic& c, double from, double to, std::vector<double>& roots) {
@@ -23,8 +25,10 @@ void add_root(const Cubic& c, double from, double to, std::vector<double>& roots
   for (int step = 0; step < 60 && to - from > 1e-15; ++step) {
     const double middle = 0.5 * (from + to);
     const double value = evaluate(c, middle);
-    if ((value < 0.0) == (low < 0.0)) from = middle;
-    else to = middle;
+    if ((value < 0.0) == (low < 0.0))
+      from = middle;
+    else
+      to = middle;
   }
   roots.push_back(0.5 * (from + to));
 }
@@ -50,23 +54,24 @@ std::vector<double> sign_changes(const Cubic& c) {
 int crossings(const std::array<Vec3, 3>& p, const std::array<Vec3, 3>& d) {
   // Coplanarity with the origin: det[p0, p1, p2](t), a cubic.
   const auto det = [](const Vec3& a, const Vec3& b, const Vec3& c) { return a.dot(b.cross(c)); };
-  const Cubic cubic = {det(p[0], p[1], p[2]),
-                       det(d[0], p[1], p[2]) + det(p[0], d[1], p[2]) + det(p[0], p[1], d[2]),
-                       det(d[0], d[1], p[2]) + det(d[0], p[1], d[2]) + det(p[0], d[1], d[2]), det(d[0], d[1], d[2])};
+  const Cubic cubic = {det(p[0], p[1], p[2]), det(d[0], p[1], p[2]) + det(p[0], d[1], p[2]) + det(p[0], p[1], d[2]),
+                       det(d[0], d[1], p[2]) + det(d[0], p[1], d[2]) + det(p[0], d[1], d[2]),
+                       det(d[0], d[1], d[2])};
   int count = 0;
   for (const double t : sign_changes(cubic)) {
     std::array<Vec3, 3> q;
     for (int k = 0; k < 3; ++k) q[k] = p[k] + t * d[k];
     const Vec3 normal = (q[1] - q[0]).cross(q[2] - q[0]);
-    const double s0 = q[1].cross(q[2]).dot(normal), s1 = q[2].cross(q[0]).dot(normal), s2 = q[0].cross(q[1]).dot(normal);
+    const double s0 = q[1].cross(q[2]).dot(normal), s1 = q[2].cross(q[0]).dot(normal),
+                 s2 = q[0].cross(q[1]).dot(normal);
     if (s0 >= 0 && s1 >= 0 && s2 >= 0) ++count;
   }
   return count;
 }
 
 /// Cells that triangle t passes, once for each crossing.
-void add_swept(const fluid::Grid& grid, const Int3& t, const std::vector<Vec3>& before, const std::vector<Vec3>& after,
-               std::vector<std::int64_t>& cells) {
+void add_swept(const fluid::Grid& grid, const Int3& t, const std::vector<Vec3>& before,
+               const std::vector<Vec3>& after, std::vector<std::int64_t>& cells) {
   std::array<Vec3, 3> p, d;
   Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
   for (int k = 0; k < 3; ++k) {

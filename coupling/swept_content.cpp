@@ -8,7 +8,8 @@ namespace wick::coupling {
 
 namespace {
 
-/// Layers of swept cells that are looked across; what a sheet sweeps beyond it in one step has no taker and is booked.
+/// Layers of swept cells that are looked across; what a sheet sweeps beyond it in one step has no taker and is
+/// booked.
 constexpr int kReach = 6;
 
 /// Unswept cells along the six grid directions: across the sheet, where the old content belongs, and on
@@ -17,8 +18,9 @@ struct Neighbours {
   std::vector<std::int64_t> across, same;
 };
 
-/// Looks from cell `at` along one direction for the first cell that was not swept. An odd number of crossings on the
-/// way there means that it lies across the sheet; an even one that a fold lies between: no neighbour of either kind.
+/// Looks from cell `at` along one direction for the first cell that was not swept. An odd number of crossings on
+/// the way there means that it lies across the sheet; an even one that a fold lies between: no neighbour of either
+/// kind.
 void look_along(const Raster& raster, const std::vector<std::int64_t>& swept, Int3 at, int axis, int step,
                 Neighbours& found) {
   const fluid::Grid& grid = raster.grid();
@@ -32,8 +34,10 @@ void look_along(const Raster& raster, const std::vector<std::int64_t>& swept, In
     const auto cell = static_cast<std::int64_t>(grid.cell(at[0], at[1], at[2]));
     if (raster.walls().solid[cell]) return;
     if (std::binary_search(swept.begin(), swept.end(), cell)) continue;
-    if (crossings % 2 == 1) found.across.push_back(cell);
-    else if (crossings == 0) found.same.push_back(cell);
+    if (crossings % 2 == 1)
+      found.across.push_back(cell);
+    else if (crossings == 0)
+      found.same.push_back(cell);
     return;
   }
 }
@@ -41,7 +45,8 @@ void look_along(const Raster& raster, const std::vector<std::int64_t>& swept, In
 Neighbours neighbours_of(const Raster& raster, const std::vector<std::int64_t>& swept, std::int64_t cell) {
   const fluid::Grid& grid = raster.grid();
   const std::int64_t row = cell / grid.nx;
-  const Int3 at = {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny), static_cast<int>(row / grid.ny)};
+  const Int3 at = {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny),
+                   static_cast<int>(row / grid.ny)};
   Neighbours found;
   for (int axis = 0; axis < 3; ++axis)
     for (const int step : {-1, 1}) look_along(raster, swept, at, axis, step, found);
@@ -51,7 +56,7 @@ Neighbours neighbours_of(const Raster& raster, const std::vector<std::int64_t>& 
 /// One swept cell that a giver fills, and its weight in the giver's split.
 struct Share {
   std::int64_t giver;
-  std::size_t receiver;   ///< index among the swept cells
+  std::size_t receiver;  ///< index among the swept cells
   double weight;
 };
 
@@ -82,7 +87,8 @@ double hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept
   for (std::size_t s = 0; s < swept.size(); ++s) {
     const double old = field[swept[s]];
     const auto& across = neighbours[s].across;
-    for (const std::int64_t cell : across) field[cell] += static_cast<float>(old / static_cast<double>(across.size()));
+    for (const std::int64_t cell : across)
+      field[cell] += static_cast<float>(old / static_cast<double>(across.size()));
     if (across.empty()) lost += old;
     field[swept[s]] = static_cast<float>(fresh[s]);
   }
@@ -91,8 +97,8 @@ double hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept
 
 }  // namespace
 
-SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept, const fluid::SmokeParams& params,
-                          fluid::SmokeState& gas) {
+SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
+                          const fluid::SmokeParams& params, fluid::SmokeState& gas) {
   if (swept.empty()) return {};
   std::vector<Neighbours> neighbours;
   for (const std::int64_t cell : swept) neighbours.push_back(neighbours_of(raster, swept, cell));
@@ -100,7 +106,8 @@ SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>&
   const double volume = std::pow(raster.grid().h, 3);
   SweptLoss lost;
   lost.smoke = volume * hand_over(gas.density, swept, neighbours, shares);
-  lost.heat = params.air_density * params.air_heat_capacity * volume * hand_over(gas.temperature, swept, neighbours, shares);
+  lost.heat = params.air_density * params.air_heat_capacity * volume *
+              hand_over(gas.temperature, swept, neighbours, shares);
   hand_over(gas.flame, swept, neighbours, shares);
   return lost;
 }

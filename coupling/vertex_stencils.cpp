@@ -18,7 +18,7 @@ constexpr double kSameLayer = 0.2;
 struct Cube {
   Int3 base;
   std::array<double, 3> fraction;
-  std::array<std::int64_t, 8> cell;   ///< -1 outside the box or in an obstacle
+  std::array<std::int64_t, 8> cell;  ///< -1 outside the box or in an obstacle
 };
 
 Cube cube_around(const Raster& raster, const Vec3& x) {
@@ -97,7 +97,7 @@ VertexStencil stencil_at(const Raster& raster, std::int32_t sheet, const SheetSu
     for (int n = 0; n < 8; ++n) {
       const bool conflict = label[n] == 3 && crossed;
       if (cube.cell[n] < 0 || (label[n] & (side == 0 ? 1 : 2)) == 0 || conflict) continue;
-      double weight = 1e-3;   // a visible corner counts a little even where the vertex sits on the opposite one
+      double weight = 1e-3;  // a visible corner counts a little even where the vertex sits on the opposite one
       double trilinear = 1.0;
       for (int a = 0; a < 3; ++a) trilinear *= (n >> a & 1) ? cube.fraction[a] : 1.0 - cube.fraction[a];
       weight += trilinear;

@@ -32,7 +32,7 @@ struct World::Impl {
   void begin_ledgers();
 
   WorldParams params;
-  double ambient = 293.15, kelvin = 1.0;   ///< T_amb, and T_ref - T_amb [K]
+  double ambient = 293.15, kelvin = 1.0;  ///< T_amb, and T_ref - T_amb [K]
 
   // State.
   int frame = 1;
@@ -47,16 +47,18 @@ struct World::Impl {
   std::unique_ptr<Raster> raster;
 
   // Handed from stage to stage within a substep.
-  std::vector<std::vector<VertexStencil>> stencils;    ///< per sheet
-  std::vector<std::vector<Vec3>> push;                 ///< per sheet: force of the gas [N]
-  std::vector<std::vector<double>> heat_in;            ///< per sheet: heat from the gas [J]
-  std::vector<std::vector<double>> hotter_side;        ///< per sheet
+  std::vector<std::vector<VertexStencil>> stencils;  ///< per sheet
+  std::vector<std::vector<Vec3>> push;               ///< per sheet: force of the gas [N]
+  std::vector<std::vector<double>> heat_in;          ///< per sheet: heat from the gas [J]
+  std::vector<std::vector<double>> hotter_side;      ///< per sheet
 };
 
 World::Impl::Impl(const WorldParams& p) : params(p) {
   check_world(params);
-  if (params.smoke) ambient = params.smoke->ambient_temperature;
-  else ambient = params.heat.ambient_temperature;
+  if (params.smoke)
+    ambient = params.smoke->ambient_temperature;
+  else
+    ambient = params.heat.ambient_temperature;
   kelvin = params.heat.reference_temperature - ambient;
 
   for (std::size_t n = 0; n < params.shells.size(); ++n)
@@ -90,24 +92,40 @@ double World::Impl::longest_step(double left) const {
   double dt = params.coupling.max_step;
   if (params.smoke) {
     dt = std::min(dt, fluid::stable_dt(*gas, *params.smoke, params.gravity));
-    double speed = 0.0;
-    for (const Sheet& sheet : sheets)
-      for (const Vec3& v : sheet.state.v) speed = std::max(speed, v.squaredNorm());
-    const double h = params.smoke->width / params.smoke->resolution[0];
-    if (speed > 0.0) dt = std::min(dt, params.coupling.sheet_cells * h / std::sqrt(speed));
+    const double speed = fastest_in_box(sheets, raster->grid());
+    if (speed > 0.0) dt = std::min(dt, params.coupling.sheet_cells * raster->grid().h / speed);
   }
   return left / std::max(1.0, std::ceil(left / dt * (1.0 - 1e-9)));
 }
 
 void World::Impl::substep(double dt, FrameReport& report) {
   // The frame as the data flows; each line reads what the lines above have left.
-  { const StageTimer timer(report.seconds, "smoke"); move_gas(dt, report); }
-  { const StageTimer timer(report.seconds, "exchange"); exchange(dt); }
-  { const StageTimer timer(report.seconds, "diffusion"); diffuse(dt, report); }
-  { const StageTimer timer(report.seconds, "burning"); react(dt); shed_burnt_triangles(); }
-  { const StageTimer timer(report.seconds, "shell"); move_sheets(dt); }
+  {
+    const StageTimer timer(report.seconds, "smoke");
+    move_gas(dt, report);
+  }
+  {
+    const StageTimer timer(report.seconds, "exchange");
+    exchange(dt);
+  }
+  {
+    const StageTimer timer(report.seconds, "diffusion");
+    diffuse(dt, report);
+  }
+  {
+    const StageTimer timer(report.seconds, "burning");
+    react(dt);
+    shed_burnt_triangles();
+  }
+  {
+    const StageTimer timer(report.seconds, "shell");
+    move_sheets(dt);
+  }
   // Seeing the moved sheet comes last, so that the gas that is written agrees with the meshes that are written.
-  { const StageTimer timer(report.seconds, "see"); see_sheets(); }
+  {
+    const StageTimer timer(report.seconds, "see");
+    see_sheets();
+  }
   time += dt;
   ++report.substeps;
 }
@@ -143,8 +161,8 @@ void World::Impl::move_gas(double dt, FrameReport& report) {
   std::vector<Vec3> impulse;
   std::optional<fluid::MovableWalls> movable;
   if (together) movable = movable_walls(*raster, surfaces(), inverse_masses(sheets, time + dt));
-  const fluid::SmokeStepReport step =
-      gas_solver->step(*gas, sources, raster->walls(), dt, together ? &*movable : nullptr, together ? &impulse : nullptr);
+  const fluid::SmokeStepReport step = gas_solver->step(
+      *gas, sources, raster->walls(), dt, together ? &*movable : nullptr, together ? &impulse : nullptr);
   if (any_sheet && !together) impulse = pressure_impulse(*raster, surfaces(), gas->pressure, dt);
 
   std::size_t dof = 0;
@@ -157,7 +175,8 @@ void World::Impl::move_gas(double dt, FrameReport& report) {
   ledgers["heat"].book_flow("outflow", -step.heat_out);
   ledgers["heat"].book_flow("advection", step.heat_advection);
   note_solve(report, "pressure", step.pressure);
-  if (params.smoke->viscosity > 0.0 || params.smoke->diffusivity > 0.0) note_solve(report, "gas_diffusion", step.diffusion);
+  if (params.smoke->viscosity > 0.0 || params.smoke->diffusivity > 0.0)
+    note_solve(report, "gas_diffusion", step.diffusion);
   for (const auto& [stage, seconds] : step.seconds) report.seconds["smoke_" + stage] += seconds;
 }
 
@@ -170,8 +189,8 @@ void World::Impl::exchange(double dt) {
     heat_in[s].assign(sheets[s].mesh.vertex_count(), 0.0);
     hotter_side[s].assign(sheets[s].mesh.vertex_count(), 0.0);
     if (gas)
-      exchange_heat(stencils[s], sheets[s].mesh.vertex_area, sheets[s].theta, sheets[s].heat_capacity, {ambient, kelvin},
-                    params.heat.convection, dt, *params.smoke, *gas, heat_in[s], hotter_side[s]);
+      exchange_heat(stencils[s], sheets[s].mesh.vertex_area, sheets[s].theta, sheets[s].heat_capacity,
+                    {ambient, kelvin}, params.heat.convection, dt, *params.smoke, *gas, heat_in[s], hotter_side[s]);
   }
 }
 
@@ -208,8 +227,8 @@ void World::Impl::react(double dt) {
   const BurningParams& burning = *params.burning;
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     Sheet& sheet = sheets[s];
-    const std::vector<double> lost = lose_mass(sheet.burning, burning, sheet.theta, hotter_side[s], ambient,
-                                               ambient + kelvin, dt);
+    const std::vector<double> lost =
+        lose_mass(sheet.burning, burning, sheet.theta, hotter_side[s], ambient, ambient + kelvin, dt);
     const std::size_t count = lost.size();
     std::vector<double> smoke(count), heat(count), flame(count);
     double burnt = 0.0, kept_heat = 0.0;
@@ -220,7 +239,7 @@ void World::Impl::react(double dt) {
       sheet.theta[i] += burning.sheet_heat * lost[i];
       smoke[i] = burning.smoke_yield * kg;
       heat[i] = burning.gas_heat * lost[i] * sheet.heat_capacity[i];
-      flame[i] = std::min(1.0, 2.0 * lost[i] / dt);   // full flame where half the mass would go in a second
+      flame[i] = std::min(1.0, 2.0 * lost[i] / dt);  // full flame where half the mass would go in a second
     }
     ledgers["solid"].book_flow("smoke", -burning.smoke_yield * burnt);
     ledgers["solid"].book_flow("gas", -(1.0 - burning.smoke_yield) * burnt);
@@ -254,8 +273,8 @@ void World::Impl::move_sheets(double dt) {
     if (!sheet.shell) continue;
     refresh_inputs(sheet, params);
     const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);
-    sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh, sheet.inputs, pins_at(sheet, time + dt), obstacles,
-                                           push[s], air, params.gravity, dt);
+    sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh, sheet.inputs, pins_at(sheet, time + dt),
+                                           obstacles, push[s], air, params.gravity, dt);
   }
   for (Obstacle& obstacle : obstacles) obstacle.displacement += dt * obstacle.velocity;
 }
@@ -296,19 +315,30 @@ FrameReport World::step(double dt) {
     world.substep(step, report);
     if (last) world.time = end;
   }
-  { const StageTimer timer(report.seconds, "audit"); world.audit(); }
+  {
+    const StageTimer timer(report.seconds, "audit");
+    world.audit();
+  }
   report.frame = ++world.frame;
   report.time = world.time;
   return report;
 }
 
-int World::frame() const { return impl_->frame; }
+int World::frame() const {
+  return impl_->frame;
+}
 
-double World::time() const { return impl_->time; }
+double World::time() const {
+  return impl_->time;
+}
 
-const fluid::SmokeState* World::smoke() const { return impl_->gas ? &*impl_->gas : nullptr; }
+const fluid::SmokeState* World::smoke() const {
+  return impl_->gas ? &*impl_->gas : nullptr;
+}
 
-const std::map<std::string, Ledger>& World::ledgers() const { return impl_->ledgers; }
+const std::map<std::string, Ledger>& World::ledgers() const {
+  return impl_->ledgers;
+}
 
 std::vector<std::string> World::models() const {
   std::vector<std::string> names;
@@ -346,7 +376,8 @@ void World::visit(StateVisitor& visitor) {
   for (std::size_t s = 0; s < world.sheets.size(); ++s)
     visitor.group("sheet_" + std::to_string(s), [&] { coupling::visit(visitor, world.sheets[s]); });
   for (std::size_t n = 0; n < world.obstacles.size(); ++n)
-    visitor.group("obstacle_" + std::to_string(n), [&] { visitor.value("displacement", world.obstacles[n].displacement); });
+    visitor.group("obstacle_" + std::to_string(n),
+                  [&] { visitor.value("displacement", world.obstacles[n].displacement); });
   if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
   for (auto& [quantity, ledger] : world.ledgers)
     visitor.group("ledger_" + quantity, [&] { ledger.visit(visitor); });
@@ -355,7 +386,7 @@ void World::visit(StateVisitor& visitor) {
 void World::restored() {
   for (Sheet& sheet : impl_->sheets) {
     rebuild_topology(sheet, impl_->params);
-    sheet.seen_x.clear();   // the gas of the state already agrees with the sheet's place
+    sheet.seen_x.clear();  // the gas of the state already agrees with the sheet's place
   }
   impl_->see_sheets();
 }
@@ -366,6 +397,8 @@ std::uint64_t World::state_hash() {
   return hash.digest();
 }
 
-std::uint64_t World::estimate_bytes(const WorldParams& params) { return estimate_world_bytes(params); }
+std::uint64_t World::estimate_bytes(const WorldParams& params) {
+  return estimate_world_bytes(params);
+}
 
 }  // namespace wick::coupling

@@ -18,12 +18,12 @@ namespace wick::coupling {
 /// What one frame did, for progress, metrics and the exit summary.
 struct FrameReport {
   int frame = 0;
-  double time = 0.0;       ///< [s] at the end of the frame
+  double time = 0.0;  ///< [s] at the end of the frame
   int substeps = 0;
-  StageSeconds seconds;                        ///< by stage; "smoke" is the whole fluid stage
-  std::map<std::string, SolveReport> solves;   ///< worst residual and summed iterations of the frame, by solver
+  StageSeconds seconds;                       ///< by stage; "smoke" is the whole fluid stage
+  std::map<std::string, SolveReport> solves;  ///< worst residual and summed iterations of the frame, by solver
   int unconverged_solves = 0;
-  int lengthened_steps = 0;   ///< steps that /coupling/max_substeps made longer than asked
+  int lengthened_steps = 0;  ///< steps that /coupling/max_substeps made longer than asked
 };
 
 /// One sheet as an output writer sees it. Pointers are valid until the next step.
@@ -45,11 +45,11 @@ class World {
   /// Advances by one frame of `dt` seconds, in as many substeps as the fastest part needs.
   FrameReport step(double dt);
 
-  [[nodiscard]] int frame() const;                 ///< 1 for the initial state
+  [[nodiscard]] int frame() const;  ///< 1 for the initial state
   [[nodiscard]] double time() const;
-  [[nodiscard]] std::vector<std::string> models() const;   ///< shell, diffusion, smoke, burning, ...
+  [[nodiscard]] std::vector<std::string> models() const;  ///< shell, diffusion, smoke, burning, ...
   [[nodiscard]] std::vector<ShellView> shells() const;
-  [[nodiscard]] const fluid::SmokeState* smoke() const;    ///< null without smoke
+  [[nodiscard]] const fluid::SmokeState* smoke() const;  ///< null without smoke
   [[nodiscard]] const std::map<std::string, Ledger>& ledgers() const;
   /// Per-shell scalars of metrics.h5 (/shell/<name>/<quantity>).
   [[nodiscard]] std::map<std::string, std::map<std::string, double>> shell_metrics() const;

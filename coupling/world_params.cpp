@@ -8,33 +8,37 @@ constexpr const char* kLattices[] = {"staggered", "grid", "union_jack"};
 constexpr const char* kEdges[] = {"none", "-x", "+x", "-y", "+y"};
 constexpr const char* kObstacleKinds[] = {"sphere", "box", "plane", "mesh"};
 constexpr const char* kSchemes[] = {"simultaneous", "partitioned"};
-constexpr double kFar = 1e5;      // [m] positions beyond it lose the digits that a millimetre needs
-constexpr double kFast = 1e4;     // [m/s]
-constexpr double kNever = 1e30;   // [s]
+constexpr double kFar = 1e5;     // [m] positions beyond it lose the digits that a millimetre needs
+constexpr double kFast = 1e4;    // [m/s]
+constexpr double kNever = 1e30;  // [s]
 }  // namespace
 
 void describe(ParameterVisitor& v, MeshParams& p) {
   v.choice({"kind", "", any_value(), "rectangle, icosphere, cylinder (an open tube), or file"}, p.kind, kMeshKinds);
   v.text({"file", "", any_value(), "PLY or OBJ beside the scene; read when kind is file"}, p.file);
-  v.choice({"lattice", "", any_value(), "rectangle: staggered is isotropic for diffusion and bending, the others are not"},
+  v.choice({"lattice", "", any_value(),
+            "rectangle: staggered is isotropic for diffusion and bending, the others are not"},
            p.lattice, kLattices);
   v.vector({"vertices", "1", between(2, 20000), "rectangle: vertices along x and y; cylinder: around and along"},
            p.vertices);
-  v.vector({"size", "m", between(1e-5, kFar), "rectangle: extents along x and y; cylinder: radius and height"}, p.size);
+  v.vector({"size", "m", between(1e-5, kFar), "rectangle: extents along x and y; cylinder: radius and height"},
+           p.size);
   v.number({"radius", "m", between(1e-5, kFar), "icosphere"}, p.radius);
   v.integer({"subdivisions", "1", between(0, 9), "icosphere: level; file: times that each triangle is cut in four"},
             p.subdivisions);
   v.vector({"position", "m", between(-kFar, kFar), "where the mesh's own origin goes"}, p.position);
   v.vector({"rotation", "deg", between(-3600, 3600), "about x, then y, then z, before the move"}, p.rotation);
   v.number({"scale", "1", between(1e-6, 1e6), "before rotation"}, p.scale);
-  v.number({"wrinkle", "m", between(0, 1e3), "amplitude of smooth seeded out-of-plane noise at the start; breaks symmetry"},
+  v.number({"wrinkle", "m", between(0, 1e3),
+            "amplitude of smooth seeded out-of-plane noise at the start; breaks symmetry"},
            p.wrinkle);
   v.integer({"seed", "", between(0, 2147483647), "of the wrinkles"}, p.seed);
 }
 
 void describe(ParameterVisitor& v, PinParams& p) {
   v.index_list({"vertices", "1", at_least(0), "vertex numbers to hold"}, p.vertices);
-  v.vector({"point", "m", between(-kFar, kFar), "holds vertices within radius of this point at the start"}, p.point);
+  v.vector({"point", "m", between(-kFar, kFar), "holds vertices within radius of this point at the start"},
+           p.point);
   v.number({"radius", "m", between(0, kFar), "0: point is not used"}, p.radius);
   v.choice({"edge", "", any_value(), "holds one side of a rectangle, named in its own x and y"}, p.edge, kEdges);
   v.vector({"velocity", "m/s", between(-kFast, kFast), "of the held vertices until stop_time"}, p.velocity);
@@ -71,7 +75,8 @@ void describe(ParameterVisitor& v, HeatSourceParams& p) {
   v.number({"radius", "m", above_up_to(0, kFar), "of the ball that is heated"}, p.radius);
   v.vector({"velocity", "m/s", between(-kFast, kFast), "of the ball"}, p.velocity);
   v.number({"temperature", "K", between(0, 20000), "towards which sheets inside are pulled"}, p.temperature);
-  v.number({"rate", "1/s", between(0, 1e9), "at which a sheet inside takes that temperature; 0: the gas only"}, p.rate);
+  v.number({"rate", "1/s", between(0, 1e9), "at which a sheet inside takes that temperature; 0: the gas only"},
+           p.rate);
   v.number({"gas_power", "W", between(0, 1e12), "heat given to the gas"}, p.gas_power);
   v.number({"gas_smoke", "kg/s", between(0, 1e6), "smoke given to the gas"}, p.gas_smoke);
   v.number({"start", "s", between(0, kNever), "when it begins"}, p.start);
@@ -79,24 +84,26 @@ void describe(ParameterVisitor& v, HeatSourceParams& p) {
 }
 
 void describe(ParameterVisitor& v, WindParams& p) {
-  v.vector({"velocity", "m/s", between(-kFast, kFast), "of the air around sheets that are in no gas grid"}, p.velocity);
+  v.vector({"velocity", "m/s", between(-kFast, kFast), "of the air around sheets that are in no gas grid"},
+           p.velocity);
   v.number({"gust", "1", between(0, 10), "relative amplitude of smooth gusts"}, p.gust);
   v.number({"gust_period", "s", above_up_to(0, 1e6), "of the slowest gust"}, p.gust_period);
   v.integer({"seed", "", between(0, 2147483647), "of the gusts"}, p.seed);
 }
 
 void describe(ParameterVisitor& v, CouplingParams& p) {
-  v.choice({"scheme", "", any_value(),
-            "simultaneous: pressure and sheet momentum in one solve [Chentanez 2006]; partitioned: one after the other"},
-           p.scheme, kSchemes);
+  v.choice(
+      {"scheme", "", any_value(),
+       "simultaneous: pressure and sheet momentum in one solve [Chentanez 2006]; partitioned: one after the other"},
+      p.scheme, kSchemes);
   v.number({"max_step", "s", above_up_to(0, 1e4), "longest step of the world; shorter ones follow from the flow",
             OnResume::may_change},
            p.max_step);
   v.number({"sheet_cells", "1", between(0.01, 1e6), "cells of the gas grid that a sheet may cross in one step",
             OnResume::may_change},
            p.sheet_cells);
-  v.integer({"max_substeps", "1", between(1, 1000000), "a frame; steps that would need more are lengthened and counted",
-             OnResume::may_change},
+  v.integer({"max_substeps", "1", between(1, 1000000),
+             "a frame; steps that would need more are lengthened and counted", OnResume::may_change},
             p.max_substeps);
 }
 

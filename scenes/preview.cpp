@@ -14,13 +14,13 @@ namespace wick::scenes {
 
 namespace {
 
-const Vec3 kSun = Vec3(-0.4, -0.7, 0.9).normalized();   // direction to the light
+const Vec3 kSun = Vec3(-0.4, -0.7, 0.9).normalized();  // direction to the light
 const Vec3 kSkyTop(0.30, 0.34, 0.40), kSkyBottom(0.62, 0.62, 0.60);
 const Vec3 kSmokeColor(0.75, 0.73, 0.70);
 
 struct Camera {
   Vec3 eye, right, up, forward;
-  double focal;   ///< pixels per unit of tangent
+  double focal;  ///< pixels per unit of tangent
   int width, height;
 
   explicit Camera(const PreviewParams& p) : eye(p.from), width(p.size[0]), height(p.size[1]) {
@@ -49,14 +49,17 @@ struct Canvas {
   std::vector<double> depth;
 };
 
-double shade(const Vec3& normal) { return 0.35 + 0.65 * std::abs(normal.dot(kSun)); }
+double shade(const Vec3& normal) {
+  return 0.35 + 0.65 * std::abs(normal.dot(kSun));
+}
 
 /// Fills one triangle: barycentric colour, depth test on 1/z.
-void draw_triangle(const Camera& camera, Canvas& canvas, const std::array<Vec3, 3>& x, const std::array<Vec3, 3>& lit) {
+void draw_triangle(const Camera& camera, Canvas& canvas, const std::array<Vec3, 3>& x,
+                   const std::array<Vec3, 3>& lit) {
   std::array<Vec3, 3> p;
   for (int k = 0; k < 3; ++k) {
     p[k] = camera.project(x[k]);
-    if (!(p[k].z() > 1e-3)) return;   // behind the eye
+    if (!(p[k].z() > 1e-3)) return;  // behind the eye
   }
   const double area = (p[1].x() - p[0].x()) * (p[2].y() - p[0].y()) - (p[1].y() - p[0].y()) * (p[2].x() - p[0].x());
   if (area == 0.0 || !std::isfinite(area)) return;
@@ -87,32 +90,73 @@ void draw_sheet(const Camera& camera, Canvas& canvas, const coupling::ShellView&
   std::vector<Vec3> lit(colors.size());
   for (std::size_t i = 0; i < lit.size(); ++i) lit[i] = shade(normals[i]) * colors[i].reflected + colors[i].emitted;
   for (const Int3& t : view.mesh->triangles)
-    draw_triangle(camera, canvas, {(*view.x)[t[0]], (*view.x)[t[1]], (*view.x)[t[2]]}, {lit[t[0]], lit[t[1]], lit[t[2]]});
+    draw_triangle(camera, canvas, {(*view.x)[t[0]], (*view.x)[t[1]], (*view.x)[t[2]]},
+                  {lit[t[0]], lit[t[1]], lit[t[2]]});
 }
 
-/// Trilinear sample of a cell field at a place in cell units (centre of cell 0 is 0).
-double sample(const fluid::Grid& g, const fluid::CellField& field, const Vec3& q) {
-  const int n[3] = {g.nx, g.ny, g.nz};
-  int base[3];
-  double f[3];
-  for (int a = 0; a < 3; ++a) {
-    const double c = std::clamp(q[a], 0.0, n[a] - 1.0);
-    base[a] = std::min(static_cast<int>(c), std::max(n[a] - 2, 0));
-    f[a] = c - base[a];
-  }
-  double value = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int d[3] = {corner & 1, corner >> 1 & 1, corner >> 2};
-    double weight = 1.0;
-    int at[3];
+/// The eight cells around a place and their trilinear weights; built once for all fields.
+struct Stencil {
+  std::array<std::size_t, 8> cell;
+  std::array<float, 8> weight;
+
+  /// `q` is in cells, the centre of cell (0,0,0) is 0.
+  Stencil(const fluid::Grid& g, const Vec3& q) {
+    const int n[3] = {g.nx, g.ny, g.nz};
+    int low[3], high[3];
+    double f[3];
     for (int a = 0; a < 3; ++a) {
-      weight *= d[a] ? f[a] : 1.0 - f[a];
-      at[a] = std::min(base[a] + d[a], n[a] - 1);
+      const double c = std::clamp(q[a], 0.0, n[a] - 1.0);
+      low[a] = static_cast<int>(c);
+      high[a] = std::min(low[a] + 1, n[a] - 1);
+      f[a] = c - low[a];
     }
-    value += weight * field[g.cell(at[0], at[1], at[2])];
+    for (int corner = 0; corner < 8; ++corner) {
+      const bool x = corner & 1, y = corner & 2, z = corner & 4;
+      cell[corner] = g.cell(x ? high[0] : low[0], y ? high[1] : low[1], z ? high[2] : low[2]);
+      weight[corner] = static_cast<float>((x ? f[0] : 1 - f[0]) * (y ? f[1] : 1 - f[1]) * (z ? f[2] : 1 - f[2]));
+    }
   }
-  return value;
-}
+  [[nodiscard]] double sample(const fluid::CellField& field) const {
+    float value = 0.0F;
+    for (int corner = 0; corner < 8; ++corner) value += weight[corner] * field[cell[corner]];
+    return value;
+  }
+};
+
+/// Which blocks of 8^3 cells, or their neighbours, hold anything to see: rays leap over the others.
+class Occupancy {
+ public:
+  static constexpr int kBlock = 8;
+
+  Occupancy(const fluid::Grid& g, const fluid::SmokeState& gas, double least_density)
+      : nx_((g.nx + kBlock - 1) / kBlock),
+        ny_((g.ny + kBlock - 1) / kBlock),
+        nz_((g.nz + kBlock - 1) / kBlock),
+        seen_(std::size_t(nx_) * ny_ * nz_, 0) {
+    for (int k = 0; k < g.nz; ++k)
+      for (int j = 0; j < g.ny; ++j)
+        for (int i = 0; i < g.nx; ++i) {
+          const std::size_t c = g.cell(i, j, k);
+          // A sample mixes neighbouring cells, so a cell shows up to one cell beyond its own block.
+          if (gas.density[c] > least_density || gas.flame[c] > 1e-3F) mark(i, j, k);
+        }
+  }
+  [[nodiscard]] bool at(const Vec3& q) const {
+    const auto block = [](double v, int n) { return std::clamp(static_cast<int>(v) / kBlock, 0, n - 1); };
+    return seen_[block(q.x(), nx_) +
+                 std::size_t(nx_) * (block(q.y(), ny_) + std::size_t(ny_) * block(q.z(), nz_))] != 0;
+  }
+
+ private:
+  void mark(int i, int j, int k) {
+    for (int z = std::max(k - 1, 0) / kBlock; z <= std::min((k + 1) / kBlock, nz_ - 1); ++z)
+      for (int y = std::max(j - 1, 0) / kBlock; y <= std::min((j + 1) / kBlock, ny_ - 1); ++y)
+        for (int x = std::max(i - 1, 0) / kBlock; x <= std::min((i + 1) / kBlock, nx_ - 1); ++x)
+          seen_[x + std::size_t(nx_) * (y + std::size_t(ny_) * z)] = 1;
+  }
+  int nx_, ny_, nz_;
+  std::vector<std::uint8_t> seen_;
+};
 
 /// Optical depth from every cell straight up to the top of the box: how much light the smoke above leaves.
 fluid::CellField shadow_depth(const fluid::Grid& g, const fluid::CellField& density, double extinction) {
@@ -140,32 +184,63 @@ std::pair<double, double> clip_to_box(const fluid::Grid& g, const Vec3& eye, con
 }
 
 /// Yellow core to red rim.
-Vec3 flame_color(double flame) { return Vec3(1.0, 0.25 + 0.55 * flame, 0.05 + 0.25 * flame * flame); }
+Vec3 flame_color(double flame) {
+  return Vec3(1.0, 0.22 + 0.42 * flame, 0.03 + 0.12 * flame * flame);
+}
+
+/// Light that one ray gathers in the gas between t and leave, and how much of what lies behind shows through.
+struct Gathered {
+  Vec3 light = Vec3::Zero();
+  double clear = 1.0;
+};
+
+class GasPainter {
+ public:
+  GasPainter(const PreviewParams& p, const fluid::SmokeState& gas, const fluid::SmokeParams& params)
+      : grid_(fluid::smoke_grid(params)),
+        gas_(gas),
+        extinction_(p.smoke_extinction),
+        shadow_(shadow_depth(grid_, gas.density, p.smoke_extinction)),
+        // Less than a thousandth of the light over ten cells is not worth a sample.
+        occupancy_(grid_, gas, 1e-4 / (std::max(p.smoke_extinction, 1e-9) * grid_.h)) {}
+
+  [[nodiscard]] Gathered march(const Vec3& eye, const Vec3& ray, double behind) const {
+    constexpr double kFlameGlow = 14.0;  // radiance per metre of full flame
+    Gathered gathered;
+    auto [t, leave] = clip_to_box(grid_, eye, ray);
+    leave = std::min(leave, behind);
+    const double length = 0.8 * grid_.h, step = length / ray.norm();
+    for (t += 0.5 * step; t < leave && gathered.clear > 0.005; t += step) {
+      const Vec3 q = (eye + t * ray - grid_.origin) / grid_.h - Vec3::Constant(0.5);
+      if (!occupancy_.at(q)) continue;
+      const Stencil stencil(grid_, q);
+      const double density = stencil.sample(gas_.density), flame = stencil.sample(gas_.flame);
+      if (density <= 0.0 && flame <= 1e-3) continue;
+      const double pass = std::exp(-extinction_ * std::max(density, 0.0) * length);
+      const double lit = 0.35 + 0.65 * std::exp(-0.5 * stencil.sample(shadow_));
+      gathered.light +=
+          gathered.clear * ((1.0 - pass) * lit * kSmokeColor + length * kFlameGlow * flame * flame_color(flame));
+      gathered.clear *= pass;
+    }
+    return gathered;
+  }
+
+ private:
+  fluid::Grid grid_;
+  const fluid::SmokeState& gas_;
+  double extinction_;
+  fluid::CellField shadow_;
+  Occupancy occupancy_;
+};
 
 void draw_gas(const PreviewParams& p, const Camera& camera, Canvas& canvas, const fluid::SmokeState& gas,
               const fluid::SmokeParams& params) {
-  const fluid::Grid g = fluid::smoke_grid(params);
-  const fluid::CellField shadow = shadow_depth(g, gas.density, p.smoke_extinction);
-  constexpr double kFlameGlow = 14.0;   // radiance per metre of full flame
+  const GasPainter painter(p, gas, params);
   parallel_for(static_cast<std::size_t>(camera.height), 4, [&](std::size_t row) {
     for (int px = 0; px < camera.width; ++px) {
       const std::size_t at = px + std::size_t(camera.width) * row;
-      const Vec3 ray = camera.ray(px, static_cast<int>(row));
-      auto [t, leave] = clip_to_box(g, camera.eye, ray);
-      leave = std::min(leave, canvas.depth[at]);
-      const double step = 0.7 * g.h / ray.norm(), length = 0.7 * g.h;
-      double clear = 1.0;
-      Vec3 light = Vec3::Zero();
-      for (t += 0.5 * step; t < leave && clear > 0.005; t += step) {
-        const Vec3 q = (camera.eye + t * ray - g.origin) / g.h - Vec3::Constant(0.5);
-        const double density = sample(g, gas.density, q), flame = sample(g, gas.flame, q);
-        if (density <= 0.0 && flame <= 1e-3) continue;
-        const double pass = std::exp(-p.smoke_extinction * std::max(density, 0.0) * length);
-        const double lit = 0.35 + 0.65 * std::exp(-0.5 * sample(g, shadow, q));
-        light += clear * (1.0 - pass) * lit * kSmokeColor + clear * length * kFlameGlow * flame * flame_color(flame);
-        clear *= pass;
-      }
-      canvas.color[at] = clear * canvas.color[at] + light;
+      const Gathered gathered = painter.march(camera.eye, camera.ray(px, static_cast<int>(row)), canvas.depth[at]);
+      canvas.color[at] = gathered.clear * canvas.color[at] + gathered.light;
     }
   });
 }
@@ -187,8 +262,9 @@ void describe(ParameterVisitor& v, PreviewParams& p) {
   v.vector({"from", "m", between(-1e5, 1e5), "where the eye is", kAny}, p.from);
   v.vector({"at", "m", between(-1e5, 1e5), "what it looks at; up is +z", kAny}, p.at);
   v.number({"view_angle", "deg", between(1, 150), "vertical", kAny}, p.view_angle);
-  v.number({"smoke_extinction", "m2/kg", between(0, 1e9), "how dark smoke looks; soot of flames has about 8000", kAny},
-           p.smoke_extinction);
+  v.number(
+      {"smoke_extinction", "m2/kg", between(0, 1e9), "how dark smoke looks; soot of flames has about 8000", kAny},
+      p.smoke_extinction);
 }
 
 Picture draw_preview(const PreviewParams& p, const std::vector<coupling::ShellView>& shells,
@@ -217,7 +293,8 @@ std::vector<char> encode_png(const Picture& picture) {
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::vector<char> bytes(size);
   const bool made = png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) != 0;
-  require(made, "", std::string("a preview could not be made into a PNG (") + image.message + ")", ExitCode::internal_fault);
+  require(made, "", std::string("a preview could not be made into a PNG (") + image.message + ")",
+          ExitCode::internal_fault);
   bytes.resize(size);
   return bytes;
 }

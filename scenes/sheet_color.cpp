@@ -18,8 +18,9 @@ struct Stop {
   double at;
   Vec3 color;
 };
-const Stop kStops[] = {{0.0, Vec3(0.82, 0.79, 0.72)},   {0.06, Vec3(0.62, 0.45, 0.22)}, {0.2, Vec3(0.20, 0.09, 0.035)},
-                       {0.45, Vec3(0.025, 0.018, 0.015)}, {0.85, Vec3(0.015, 0.014, 0.014)}, {1.0, Vec3(0.16, 0.155, 0.15)}};
+const Stop kStops[] = {{0.0, Vec3(0.82, 0.79, 0.72)},     {0.06, Vec3(0.62, 0.45, 0.22)},
+                       {0.2, Vec3(0.20, 0.09, 0.035)},    {0.45, Vec3(0.025, 0.018, 0.015)},
+                       {0.85, Vec3(0.015, 0.014, 0.014)}, {1.0, Vec3(0.16, 0.155, 0.15)}};
 
 Vec3 char_color(double lost) {
   lost = std::clamp(lost, 0.0, 1.0);
@@ -47,7 +48,7 @@ std::vector<SheetColor> sheet_colors(const coupling::ShellView& view) {
   for (std::size_t i = 0; i < colors.size(); ++i) {
     if (lost) colors[i].reflected = char_color((*lost)[i]);
     if (kelvin) colors[i].emitted = glow_color((*kelvin)[i]);
-    if (wet) colors[i].reflected *= 1.0 - 0.55 * std::clamp<double>((*wet)[i], 0.0, 1.0);   // wet cloth is darker
+    if (wet) colors[i].reflected *= 1.0 - 0.55 * std::clamp<double>((*wet)[i], 0.0, 1.0);  // wet cloth is darker
   }
   return colors;
 }

@@ -7,8 +7,8 @@
 namespace wick::scenes {
 
 struct SheetColor {
-  Vec3 reflected;   ///< linear RGB, share of the light that comes back
-  Vec3 emitted;     ///< linear RGB of the glow
+  Vec3 reflected;  ///< linear RGB, share of the light that comes back
+  Vec3 emitted;    ///< linear RGB of the glow
 };
 
 /// One colour a vertex, from the `char`, `temperature` and `saturation` values that the sheet has.

@@ -69,7 +69,8 @@ struct BurntSheet {
 TEST(Reshape, VirginSheetIsUnchanged) {
   BurntSheet s;
   const BurningParams p;
-  reshape(s.inputs, s.base, s.mesh, make_burning_state(s.mesh.vertex_count()), p, s.material.density * s.material.thickness);
+  reshape(s.inputs, s.base, s.mesh, make_burning_state(s.mesh.vertex_count()), p,
+          s.material.density * s.material.thickness);
   EXPECT_EQ(s.inputs.rest_scale, s.base.rest_scale);
   EXPECT_EQ(s.inputs.rest_angle, s.base.rest_angle);
   for (std::size_t i = 0; i < s.mesh.vertex_count(); ++i) EXPECT_NEAR(s.inputs.mass[i], s.base.mass[i], 1e-15);
@@ -102,7 +103,8 @@ TEST(Reshape, OnlyTrianglesThatAreAshAllOverFallAway) {
   BurntSheet s;
   const BurningParams p;
   BurningState state = make_burning_state(s.mesh.vertex_count());
-  for (std::size_t i = 0; i < s.mesh.vertex_count(); ++i) state.fraction_left[i] = s.mesh.rest[i].x() < 0.5 ? p.ash : 1.0;
+  for (std::size_t i = 0; i < s.mesh.vertex_count(); ++i)
+    state.fraction_left[i] = s.mesh.rest[i].x() < 0.5 ? p.ash : 1.0;
   const auto keep = unburnt_triangles(s.mesh, state, p);
   for (std::size_t t = 0; t < keep.size(); ++t) {
     bool all = true;

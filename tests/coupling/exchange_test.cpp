@@ -78,8 +78,8 @@ TEST(ExchangeHeat, WhatTheSheetGainsTheGasLoses) {
       const double kelvin = 800.0;
       for (std::size_t i = 0; i < count; ++i) capacity[i] = 0.14 * box.mesh.vertex_area[i] * 1400 * kelvin;
       const double before = fluid::total_heat(box.gas, box.params);
-      const double gained = exchange_heat(box.stencils, box.mesh.vertex_area, theta, capacity, {293, kelvin}, convection, dt,
-                                          box.params, box.gas, heat, side);
+      const double gained = exchange_heat(box.stencils, box.mesh.vertex_area, theta, capacity, {293, kelvin},
+                                          convection, dt, box.params, box.gas, heat, side);
       EXPECT_GT(gained, 0.0);
       EXPECT_NEAR(std::accumulate(heat.begin(), heat.end(), 0.0), gained, 1e-12 * gained);
       // The gas is kept in float: 1e-7 of what it holds is its rounding.
@@ -91,10 +91,12 @@ TEST(ExchangeHeat, WhatTheSheetGainsTheGasLoses) {
 
 TEST(ExchangeHeat, TellsTheHotterSide) {
   SplitBox box(20);
-  for (std::size_t c = 0; c < box.gas.temperature.size(); ++c) box.gas.temperature[c] = box.above(c) ? 500.0F : 0.0F;
+  for (std::size_t c = 0; c < box.gas.temperature.size(); ++c)
+    box.gas.temperature[c] = box.above(c) ? 500.0F : 0.0F;
   const std::size_t count = box.mesh.vertex_count();
   std::vector<double> theta(count, 0.0), capacity(count, 1.0), heat(count, 0.0), side(count, 0.0);
-  exchange_heat(box.stencils, box.mesh.vertex_area, theta, capacity, {293, 800}, 20, 1e-6, box.params, box.gas, heat, side);
+  exchange_heat(box.stencils, box.mesh.vertex_area, theta, capacity, {293, 800}, 20, 1e-6, box.params, box.gas,
+                heat, side);
   const auto normals = solid::vertex_normals(box.mesh, box.mesh.rest);
   for (std::size_t i = 0; i < count; ++i)
     if (box.stencils[i].face[0].count && box.stencils[i].face[1].count) {
@@ -126,8 +128,8 @@ TEST(PressureImpulse, OfAUniformJumpIsAreaTimesJump) {
   const std::vector<Vec3> impulse = pressure_impulse(*box.raster, {box.surface()}, pressure, 0.5);
   Vec3 sum = Vec3::Zero();
   for (const Vec3& j : impulse) sum += j;
-  // The sheet spans the whole unit cross-section: force 3 N upwards for 0.5 s. Its tilt of 0.1 pushes along -x with a
-  // tenth of that, seen in whole layers of 1/32.
+  // The sheet spans the whole unit cross-section: force 3 N upwards for 0.5 s. Its tilt of 0.1 pushes along -x with
+  // a tenth of that, seen in whole layers of 1/32.
   EXPECT_NEAR(sum.z(), 1.5, 1e-12);
   EXPECT_NEAR(sum.x(), -0.15, 1.5 / 32);
   EXPECT_NEAR(sum.y(), 0.0, 1e-12);

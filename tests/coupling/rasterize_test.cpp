@@ -15,7 +15,9 @@ namespace {
 
 const fluid::Sides kClosed = {};
 
-fluid::Grid unit_grid(int n) { return {n, n, n, 1.0 / n, Vec3::Zero()}; }
+fluid::Grid unit_grid(int n) {
+  return {n, n, n, 1.0 / n, Vec3::Zero()};
+}
 
 solid::ShellMesh sphere_mesh(int level, double radius, const Vec3& center) {
   solid::TriangleSoup soup = solid::icosphere(level, radius);
@@ -29,7 +31,8 @@ std::vector<Vec3> deformed(const solid::ShellMesh& mesh, double amount, std::uin
   for (Vec3& p : x) {
     Vec3 shift = Vec3::Zero();
     for (std::uint64_t n = 0; n < 4; ++n) {
-      const Vec3 k(8 * hash_signed(seed, 7 * n), 8 * hash_signed(seed, 7 * n + 1), 8 * hash_signed(seed, 7 * n + 2));
+      const Vec3 k(8 * hash_signed(seed, 7 * n), 8 * hash_signed(seed, 7 * n + 1),
+                   8 * hash_signed(seed, 7 * n + 2));
       const Vec3 d(hash_signed(seed, 7 * n + 3), hash_signed(seed, 7 * n + 4), hash_signed(seed, 7 * n + 5));
       shift += std::sin(k.dot(p) + 6.0 * hash_unit(seed, 7 * n + 6)) * d;
     }
@@ -187,7 +190,8 @@ TEST(SweptCells, HandOverKeepsSumsAndSides) {
   fluid::SmokeParams params;
   params.resolution = {32, 32, 32};
   const solid::ShellMesh mesh = sphere_mesh(3, 0.28, Vec3(0.5, 0.5, 0.5));
-  const std::vector<Vec3> before = deformed(mesh, 0.01, 1), after = deformed(mesh, 0.025, 2), v(before.size(), Vec3::Zero());
+  const std::vector<Vec3> before = deformed(mesh, 0.01, 1), after = deformed(mesh, 0.025, 2),
+                          v(before.size(), Vec3::Zero());
   Raster raster(unit_grid(32), kClosed);
   raster.see({{&mesh, &before, &v}}, {});
   fluid::SmokeState gas = fluid::make_smoke_state(params);

@@ -40,7 +40,7 @@ TEST(World, LedgersCloseWhileASheetBurns) {
   EXPECT_LT(ledgers.at("smoke").relative_error(), 1e-6);
   EXPECT_LT(ledgers.at("heat").relative_error(), 1e-5);
   EXPECT_LT(-0.05, ledgers.at("solid").total_flow());
-  EXPECT_GT(-1e-3, ledgers.at("solid").total_flow());   // it does burn
+  EXPECT_GT(-1e-3, ledgers.at("solid").total_flow());  // it does burn
   EXPECT_GT(ledgers.at("smoke").stocks().at("grid"), 0.0);
 }
 
@@ -62,7 +62,9 @@ std::uint64_t hash_after(int frames, int threads) {
   return world.state_hash();
 }
 
-TEST(World, HasTheSameStateAtOneAndTwoThreads) { EXPECT_EQ(hash_after(12, 1), hash_after(12, 2)); }
+TEST(World, HasTheSameStateAtOneAndTwoThreads) {
+  EXPECT_EQ(hash_after(12, 1), hash_after(12, 2));
+}
 
 TEST(World, ContinuesBitForBitFromItsState) {
   World whole(burning_world()), first(burning_world()), second(burning_world());
@@ -101,7 +103,7 @@ double smoke_outside(const World& world, const fluid::SmokeParams& smoke) {
   const fluid::Grid& g = raster.grid();
   std::vector<std::uint8_t> seen(g.cells(), 0);
   std::queue<Int3> todo;
-  const Int3 corner = {0, 0, g.nz - 1};   // above the bag and every floor
+  const Int3 corner = {0, 0, g.nz - 1};  // above the bag and every floor
   todo.push(corner);
   seen[g.cell(corner[0], corner[1], corner[2])] = 1;
   double outside = 0.0;
@@ -114,7 +116,8 @@ double smoke_outside(const World& world, const fluid::SmokeParams& smoke) {
         Int3 q = at, face = at;
         q[axis] += step;
         if (step > 0) ++face[axis];
-        if (q[axis] < 0 || q[axis] >= g.size(axis) || raster.walls().closed[axis][g.face(axis, face[0], face[1], face[2])])
+        if (q[axis] < 0 || q[axis] >= g.size(axis) ||
+            raster.walls().closed[axis][g.face(axis, face[0], face[1], face[2])])
           continue;
         if (seen[g.cell(q[0], q[1], q[2])]++) continue;
         todo.push(q);
@@ -129,7 +132,8 @@ WorldParams bag_world(fluid::Advection advection) {
   world.smoke = test::closed_box(32);
   world.smoke->scalar_advection = advection;
   world.shells.push_back(test::bag(3, 0.2));
-  world.heat_sources.push_back({.center = Vec3(0.5, 0.5, 0.5), .radius = 0.06, .gas_power = 20.0, .gas_smoke = 1e-4, .stop = 1e9});
+  world.heat_sources.push_back(
+      {.center = Vec3(0.5, 0.5, 0.5), .radius = 0.06, .gas_power = 20.0, .gas_smoke = 1e-4, .stop = 1e9});
   world.coupling.max_step = 1.0 / 60;
   return world;
 }
@@ -138,7 +142,8 @@ TEST(World, CarriedBagLeaksNothing) {
   for (const auto advection : {fluid::Advection::conservative, fluid::Advection::maccormack}) {
     WorldParams params = bag_world(advection);
     params.gravity = Vec3(0, 0, -9.81);
-    params.shells[0].pins.push_back({.point = Vec3(0.5, 0.5, 0.5), .radius = 0.5, .velocity = Vec3(0.11, 0.07, 0.05), .stop_time = 2.0});
+    params.shells[0].pins.push_back(
+        {.point = Vec3(0.5, 0.5, 0.5), .radius = 0.5, .velocity = Vec3(0.11, 0.07, 0.05), .stop_time = 2.0});
     params.heat_sources[0].velocity = Vec3(0.11, 0.07, 0.05);
     params.heat_sources[0].stop = 0.5;
     World world(params);
@@ -154,7 +159,7 @@ TEST(World, FreeBagThatFallsAndBucklesLeaksNothing) {
   WorldParams params = bag_world(fluid::Advection::conservative);
   params.gravity = Vec3(0, 0, -3.0);
   params.shells[0].velocity = Vec3(0.2, 0.1, 0.0);
-  params.heat_sources[0].stop = 0.3;   // before the bag has fallen so far that the source is outside
+  params.heat_sources[0].stop = 0.3;  // before the bag has fallen so far that the source is outside
   params.obstacles.push_back({.name = "floor", .kind = ObstacleKind::plane, .center = Vec3(0, 0, 0.1)});
   World world(params);
   int steps = 0;
@@ -206,9 +211,10 @@ TEST(World, SimultaneousSolveKeepsTheMomentumOfGasAndSheet) {
     EXPECT_TRUE(solve.converged) << areal << ": " << solve.residual_after << " after " << solve.iterations;
     Vec3 given = Vec3::Zero();
     for (const Vec3& j : impulse) given += j;
-    EXPECT_LT(given.z(), -1e-4);   // the gas resists
+    EXPECT_LT(given.z(), -1e-4);  // the gas resists
     // Float velocities: 6e-8 of each face's momentum, and there are 14,000 of them with random signs.
-    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(gas_momentum(axis) + given[axis], 0.0, 1e-7 * std::abs(given.z()));
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(gas_momentum(axis) + given[axis], 0.0, 1e-7 * std::abs(given.z()));
   }
 }
 

@@ -22,7 +22,8 @@ WorldParams small_world() {
   world.diffusion = diffusion::make_preset(diffusion::Preset::burning);
   world.diffusion->alpha = 2.5e-3;
   world.burning.emplace();
-  world.heat_sources.push_back({.center = Vec3(0.2, 0.5, 0.4), .radius = 0.15, .gas_power = 10.0, .gas_smoke = 1e-5, .stop = 10.0});
+  world.heat_sources.push_back(
+      {.center = Vec3(0.2, 0.5, 0.4), .radius = 0.15, .gas_power = 10.0, .gas_smoke = 1e-5, .stop = 10.0});
   world.coupling.max_substeps = 24;
   return world;
 }
@@ -49,8 +50,10 @@ void expect_sound(const World& world, const std::string& what) {
     }
     for (const float t : gas->temperature) ASSERT_TRUE(std::isfinite(t)) << what;
   }
-  // A ledger in float gas closes to rounding times the number of steps; 1e-3 is far above that and far below a leak.
-  for (const auto& [quantity, ledger] : world.ledgers()) ASSERT_LT(ledger.relative_error(), 1e-3) << what << " " << quantity;
+  // A ledger in float gas closes to rounding times the number of steps; 1e-3 is far above that and far below a
+  // leak.
+  for (const auto& [quantity, ledger] : world.ledgers())
+    ASSERT_LT(ledger.relative_error(), 1e-3) << what << " " << quantity;
 }
 
 /// Runs `frames` frames; a refusal that names a parameter passes too.
@@ -69,7 +72,9 @@ struct Knob {
   std::function<void(WorldParams&, double)> scale;
 };
 
-void PrintTo(const Knob& knob, std::ostream* out) { *out << knob.name; }
+void PrintTo(const Knob& knob, std::ostream* out) {
+  *out << knob.name;
+}
 
 class Extremes : public testing::TestWithParam<Knob> {};
 
@@ -83,31 +88,36 @@ TEST_P(Extremes, StaysSoundFromAThousandthToAThousandfold) {
 
 INSTANTIATE_TEST_SUITE_P(
     Stability, Extremes,
-    testing::Values(
-        Knob{"max_step", [](WorldParams& p, double f) { p.coupling.max_step *= f; }},
-        Knob{"cfl", [](WorldParams& p, double f) { p.smoke->cfl *= f; }},
-        Knob{"diffusivity", [](WorldParams& p, double f) { p.diffusion->alpha *= f; }},
-        Knob{"gain", [](WorldParams& p, double f) { p.diffusion->gain *= f; }},
-        Knob{"stiffness", [](WorldParams& p, double f) { p.shells[0].material.young_warp *= f, p.shells[0].material.young_weft *= f; }},
-        Knob{"thickness", [](WorldParams& p, double f) { p.shells[0].material.thickness *= f; }},
-        Knob{"sheet_density", [](WorldParams& p, double f) { p.shells[0].material.density *= f; }},
-        Knob{"gravity", [](WorldParams& p, double f) { p.gravity *= f; }},
-        Knob{"source_temperature", [](WorldParams& p, double f) { p.heat_sources[0].temperature = std::min(20000.0, 1200 * f); }},
-        Knob{"source_power", [](WorldParams& p, double f) { p.heat_sources[0].gas_power *= f; }},
-        Knob{"burning_rate", [](WorldParams& p, double f) { p.burning->rate *= f; }},
-        Knob{"sheet_heat", [](WorldParams& p, double f) { p.burning->sheet_heat *= f; }},
-        Knob{"convection", [](WorldParams& p, double f) { p.heat.convection *= f; }},
-        Knob{"air_density", [](WorldParams& p, double f) { p.smoke->air_density *= f; }},
-        Knob{"viscosity", [](WorldParams& p, double f) { p.smoke->viscosity = 1e-3 * f; }},
-        Knob{"vorticity", [](WorldParams& p, double f) { p.smoke->vorticity = 0.1 * f; }},
-        Knob{"world_size",
-             [](WorldParams& p, double f) {
-               p.smoke->width *= f;
-               p.shells[0].mesh.size *= f;
-               p.shells[0].mesh.position *= f;
-               p.heat_sources[0].center *= f;
-               p.heat_sources[0].radius *= f;
-             }}),
+    testing::Values(Knob{"max_step", [](WorldParams& p, double f) { p.coupling.max_step *= f; }},
+                    Knob{"cfl", [](WorldParams& p, double f) { p.smoke->cfl *= f; }},
+                    Knob{"diffusivity", [](WorldParams& p, double f) { p.diffusion->alpha *= f; }},
+                    Knob{"gain", [](WorldParams& p, double f) { p.diffusion->gain *= f; }},
+                    Knob{"stiffness",
+                         [](WorldParams& p, double f) {
+                           p.shells[0].material.young_warp *= f, p.shells[0].material.young_weft *= f;
+                         }},
+                    Knob{"thickness", [](WorldParams& p, double f) { p.shells[0].material.thickness *= f; }},
+                    Knob{"sheet_density", [](WorldParams& p, double f) { p.shells[0].material.density *= f; }},
+                    Knob{"gravity", [](WorldParams& p, double f) { p.gravity *= f; }},
+                    Knob{"source_temperature",
+                         [](WorldParams& p, double f) {
+                           p.heat_sources[0].temperature = std::min(20000.0, 1200 * f);
+                         }},
+                    Knob{"source_power", [](WorldParams& p, double f) { p.heat_sources[0].gas_power *= f; }},
+                    Knob{"burning_rate", [](WorldParams& p, double f) { p.burning->rate *= f; }},
+                    Knob{"sheet_heat", [](WorldParams& p, double f) { p.burning->sheet_heat *= f; }},
+                    Knob{"convection", [](WorldParams& p, double f) { p.heat.convection *= f; }},
+                    Knob{"air_density", [](WorldParams& p, double f) { p.smoke->air_density *= f; }},
+                    Knob{"viscosity", [](WorldParams& p, double f) { p.smoke->viscosity = 1e-3 * f; }},
+                    Knob{"vorticity", [](WorldParams& p, double f) { p.smoke->vorticity = 0.1 * f; }},
+                    Knob{"world_size",
+                         [](WorldParams& p, double f) {
+                           p.smoke->width *= f;
+                           p.shells[0].mesh.size *= f;
+                           p.shells[0].mesh.position *= f;
+                           p.heat_sources[0].center *= f;
+                           p.heat_sources[0].radius *= f;
+                         }}),
     [](const testing::TestParamInfo<Knob>& knob) { return knob.param.name; });
 
 TEST(Stability, FrameLengthsFromAMicrosecondToAThousandSeconds) {
@@ -125,11 +135,13 @@ TEST(Stability, SigmaFromAHundredthToAHundredInEveryMode) {
 }
 
 TEST(Stability, BoxesOfOddShapes) {
-  for (const Int3 resolution : {Int3{1, 12, 12}, Int3{12, 1, 12}, Int3{12, 12, 1}, Int3{1, 1, 1}, Int3{2, 2, 128}, Int3{128, 2, 2}}) {
+  for (const Int3 resolution :
+       {Int3{1, 12, 12}, Int3{12, 1, 12}, Int3{12, 12, 1}, Int3{1, 1, 1}, Int3{2, 2, 128}, Int3{128, 2, 2}}) {
     WorldParams params = small_world();
     params.smoke->resolution = resolution;
     params.smoke->width = resolution[0] / 12.0;
-    run_sound(params, "box " + std::to_string(resolution[0]) + "x" + std::to_string(resolution[1]) + "x" + std::to_string(resolution[2]));
+    run_sound(params, "box " + std::to_string(resolution[0]) + "x" + std::to_string(resolution[1]) + "x" +
+                          std::to_string(resolution[2]));
   }
 }
 

@@ -28,8 +28,10 @@ class MemoryState final : public StateVisitor {
   }
   void strings(std::string_view name, std::vector<std::string>& values) override {
     Entry& entry = entries_[path_ + std::string(name)];
-    if (saving) entry.strings = values;
-    else values = entry.strings;
+    if (saving)
+      entry.strings = values;
+    else
+      values = entry.strings;
   }
   void begin_group(std::string_view name) override { path_ += std::string(name) + "/"; }
   void end_group() override { path_.erase(path_.rfind('/', path_.size() - 2) + 1); }
