@@ -1,57 +1,11 @@
-#include "coupling/world.h"
-
+/// The frame as the data flows: World::Impl::substep lists the stages in order, each is one function below it.
 #include <algorithm>
 #include <cmath>
-#include <set>
 
-#include "core/parallel.h"
 #include "core/require.h"
-#include "coupling/exchange.h"
-#include "coupling/rasterize.h"
-#include "coupling/sheet.h"
-#include "coupling/sources.h"
+#include "coupling/world_impl.h"
 
 namespace wick::coupling {
-
-struct World::Impl {
-  explicit Impl(const WorldParams& p);
-
-  // One substep, in the order of the data flow.
-  void substep(double dt, FrameReport& report);
-  void move_gas(double dt, FrameReport& report);
-  void exchange(double dt);
-  void diffuse(double dt, FrameReport& report);
-  void react(double dt);
-  void shed_burnt_triangles();
-  void move_sheets(double dt);
-  void see_sheets();
-  void audit();
-
-  double longest_step(double left) const;
-  std::vector<SheetSurface> surfaces() const;
-  void begin_ledgers();
-
-  WorldParams params;
-  double ambient = 293.15, kelvin = 1.0;  ///< T_amb, and T_ref - T_amb [K]
-
-  // State.
-  int frame = 1;
-  double time = 0.0;
-  std::vector<Sheet> sheets;
-  std::vector<Obstacle> obstacles;
-  std::optional<fluid::SmokeState> gas;
-  std::map<std::string, Ledger> ledgers;
-
-  // Kept alive between steps, rebuilt from params and state.
-  std::unique_ptr<fluid::SmokeSolver> gas_solver;
-  std::unique_ptr<Raster> raster;
-
-  // Handed from stage to stage within a substep.
-  std::vector<std::vector<VertexStencil>> stencils;  ///< per sheet
-  std::vector<std::vector<Vec3>> push;               ///< per sheet: force of the gas [N]
-  std::vector<std::vector<double>> heat_in;          ///< per sheet: heat from the gas [J]
-  std::vector<std::vector<double>> hotter_side;      ///< per sheet
-};
 
 World::Impl::Impl(const WorldParams& p) : params(p) {
   check_world(params);
@@ -294,10 +248,6 @@ void World::Impl::audit() {
   ledgers["heat"].set_stock("gas", fluid::total_heat(*gas, *params.smoke));
 }
 
-World::World(const WorldParams& params) : impl_(std::make_unique<Impl>(params)) {}
-
-World::~World() = default;
-
 FrameReport World::step(double dt) {
   require(dt > 0.0 && std::isfinite(dt), "/fps", "gives a frame without a length");
   Impl& world = *impl_;
@@ -322,83 +272,6 @@ FrameReport World::step(double dt) {
   report.frame = ++world.frame;
   report.time = world.time;
   return report;
-}
-
-int World::frame() const {
-  return impl_->frame;
-}
-
-double World::time() const {
-  return impl_->time;
-}
-
-const fluid::SmokeState* World::smoke() const {
-  return impl_->gas ? &*impl_->gas : nullptr;
-}
-
-const std::map<std::string, Ledger>& World::ledgers() const {
-  return impl_->ledgers;
-}
-
-std::vector<std::string> World::models() const {
-  std::vector<std::string> names;
-  const WorldParams& p = impl_->params;
-  const auto moving = [](const Sheet& sheet) { return sheet.shell != nullptr; };
-  if (std::any_of(impl_->sheets.begin(), impl_->sheets.end(), moving)) names.emplace_back("shell");
-  if (p.diffusion) names.emplace_back("diffusion");
-  if (p.smoke) names.emplace_back("smoke");
-  if (p.burning) names.emplace_back("burning");
-  return names;
-}
-
-std::vector<ShellView> World::shells() const {
-  std::vector<ShellView> views;
-  for (const Sheet& sheet : impl_->sheets) {
-    ShellView view{sheet.name, &sheet.mesh, &sheet.state.x, &sheet.state.v, {}};
-    add_shown_values(view, sheet, impl_->ambient, impl_->kelvin);
-    views.push_back(std::move(view));
-  }
-  return views;
-}
-
-std::map<std::string, std::map<std::string, double>> World::shell_metrics() const {
-  std::map<std::string, std::map<std::string, double>> metrics;
-  for (const Sheet& sheet : impl_->sheets) metrics[sheet.name] = sheet_metrics(sheet);
-  return metrics;
-}
-
-void World::visit(StateVisitor& visitor) {
-  Impl& world = *impl_;
-  std::int32_t frame = world.frame;
-  visitor.value("frame", frame);
-  world.frame = frame;
-  visitor.value("time", world.time);
-  for (std::size_t s = 0; s < world.sheets.size(); ++s)
-    visitor.group("sheet_" + std::to_string(s), [&] { coupling::visit(visitor, world.sheets[s]); });
-  for (std::size_t n = 0; n < world.obstacles.size(); ++n)
-    visitor.group("obstacle_" + std::to_string(n),
-                  [&] { visitor.value("displacement", world.obstacles[n].displacement); });
-  if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
-  for (auto& [quantity, ledger] : world.ledgers)
-    visitor.group("ledger_" + quantity, [&] { ledger.visit(visitor); });
-}
-
-void World::restored() {
-  for (Sheet& sheet : impl_->sheets) {
-    rebuild_topology(sheet, impl_->params);
-    sheet.seen_x.clear();  // the gas of the state already agrees with the sheet's place
-  }
-  impl_->see_sheets();
-}
-
-std::uint64_t World::state_hash() {
-  StateHash hash;
-  visit(hash);
-  return hash.digest();
-}
-
-std::uint64_t World::estimate_bytes(const WorldParams& params) {
-  return estimate_world_bytes(params);
 }
 
 }  // namespace wick::coupling

@@ -173,8 +173,10 @@ class Run {
       progress.note(fmt::format("going on from frame {} in {}", world_->frame(), folder_.root.string()));
     while (world_->frame() < scene_.frames && !stop_requested()) {
       const auto start = Clock::now();
-      const coupling::FrameReport report = world_->step(1.0 / scene_.fps);
+      coupling::FrameReport report = world_->step(1.0 / scene_.fps);
+      const auto stepped = Clock::now();
       write_frame(report, false);
+      report.seconds["output"] = seconds_since(stepped);
       progress.frame(report, seconds_since(start));
     }
     const bool done = world_->frame() >= scene_.frames;

@@ -1,0 +1,56 @@
+#pragma once
+/// What is inside the world: its state, and what is kept alive between steps. Included by world*.cpp only.
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "coupling/exchange.h"
+#include "coupling/rasterize.h"
+#include "coupling/sheet.h"
+#include "coupling/sources.h"
+#include "coupling/world.h"
+
+namespace wick::coupling {
+
+struct World::Impl {
+  explicit Impl(const WorldParams& p);
+
+  // One substep, in the order of the data flow.
+  void substep(double dt, FrameReport& report);
+  void move_gas(double dt, FrameReport& report);
+  void exchange(double dt);
+  void diffuse(double dt, FrameReport& report);
+  void react(double dt);
+  void shed_burnt_triangles();
+  void move_sheets(double dt);
+  void see_sheets();
+  void audit();
+
+  double longest_step(double left) const;
+  std::vector<SheetSurface> surfaces() const;
+  void begin_ledgers();
+
+  WorldParams params;
+  double ambient = 293.15, kelvin = 1.0;  ///< T_amb, and T_ref - T_amb [K]
+
+  // State.
+  int frame = 1;
+  double time = 0.0;
+  std::vector<Sheet> sheets;
+  std::vector<Obstacle> obstacles;
+  std::optional<fluid::SmokeState> gas;
+  std::map<std::string, Ledger> ledgers;
+
+  // Kept alive between steps, rebuilt from params and state.
+  std::unique_ptr<fluid::SmokeSolver> gas_solver;
+  std::unique_ptr<Raster> raster;
+
+  // Handed from stage to stage within a substep.
+  std::vector<std::vector<VertexStencil>> stencils;  ///< per sheet
+  std::vector<std::vector<Vec3>> push;               ///< per sheet: force of the gas [N]
+  std::vector<std::vector<double>> heat_in;          ///< per sheet: heat from the gas [J]
+  std::vector<std::vector<double>> hotter_side;      ///< per sheet
+};
+
+}  // namespace wick::coupling
