@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/require.h"
-#include "fluid/advection_kernel.h"
+#include "fluid/advection_walls.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
 
@@ -54,10 +54,10 @@ void join_periodic_faces(const Grid& grid, const Sides& sides, FaceField& veloci
 struct Transport::Kernel {
   const Transport& t;
   FlowView flow;
-  WallPaths walls;
+  WallTransport at_walls;
 
   Kernel(const Transport& transport, int lattice)
-      : t(transport), walls(transport.grid_, transport.sides_, *transport.walls_) {
+      : t(transport), at_walls{t.grid_, t.sides_, *t.walls_, t.map_, t.flow_, flow.range} {
     for (int a = 0; a < 3; ++a) {
       flow.data[a] = t.flow_[a].data.data();
       flow.sy[a] = t.flow_[a].stride(1);
@@ -84,98 +84,6 @@ struct Transport::Kernel {
     return r;
   }
 
-  /// Points of a row whose path or stencil could meet a closed inner face: those stretching further than the
-  /// clearance of their cell, less one cell for the stencil and half a cell (a whole one for points on faces) to
-  /// the edge.
-  template <int A>
-  [[nodiscard]] unsigned near_wall(F8 stretch, int i, int j, int k, int count) const {
-    if (t.clearance_.empty()) return 0;
-    // Of a face, the cells on both sides count. Lanes past the ends of a row read its neighbours, which can
-    // only make a point careful without need.
-    const int n[3] = {t.grid_.nx, t.grid_.ny, t.grid_.nz};
-    const auto row = [&](int jj, int kk) {
-      return clearance_origin() +
-             (std::ptrdiff_t(std::min(jj, n[1] - 1)) + std::ptrdiff_t(n[1]) * std::min(kk, n[2] - 1)) * n[0] + i;
-    };
-    F8 clear = load_bytes(row(j, k));
-    if constexpr (A == 0) clear = min8(clear, load_bytes(row(j, k) - 1));
-    if constexpr (A == 1) clear = min8(clear, load_bytes(row(std::max(j - 1, 0), k)));
-    if constexpr (A == 2) clear = min8(clear, load_bytes(row(j, std::max(k - 1, 0))));
-    const I8 far = stretch + (A < 3 ? 2.0F : 1.5F) < clear;
-    unsigned near = 0;
-    for (int lane = 0; lane < lanes; ++lane) near |= (far[lane] ? 0U : 1U) << lane;
-    return count < lanes ? near & ((1U << count) - 1U) : near;
-  }
-  [[nodiscard]] const std::uint8_t* clearance_origin() const { return t.clearance_.data() + lanes; }
-
-  /// The point (i,j,k) of lattice A; a face counts to the cell from which (or to which) the path goes.
-  template <int A>
-  [[nodiscard]] WallPoint lattice_point(int i, int j, int k, float sign) const {
-    WallPoint p{{float(i) + 0.5F, float(j) + 0.5F, float(k) + 0.5F}, {i, j, k}, false};
-    if constexpr (A < 3) {
-      p.x[A] -= 0.5F;
-      const bool lower = sign * t.flow_[A].at(i, j, k) < 0.0F;
-      const int n = t.grid_.size(A);
-      if (lower) --p.cell[A];
-      if (t.sides_[2 * A] != Side::periodic) p.cell[A] = std::clamp(p.cell[A], 0, n - 1);
-    }
-    return p;
-  }
-  template <int A>
-  [[nodiscard]] WallSample sample(const Padded& field, const WallPoint& at) const {
-    if constexpr (A < 3)
-      return walls.sample_velocity(field, A, at);
-    else
-      return walls.sample_scalar(field, at);
-  }
-  /// Values that nothing flows through or out of: inside obstacles, and on closed faces.
-  template <int A>
-  [[nodiscard]] bool held(int i, int j, int k) const {
-    if constexpr (A < 3)
-      return walls.closed_face(A, {i, j, k});
-    else
-      return !t.walls_->solid.empty() && t.walls_->solid[t.grid_.cell(i, j, k)];
-  }
-
-  /// True where a path that nothing cut ended inside the box, by the same limits as stayed_inside.
-  [[nodiscard]] bool sound(const WallPoint& end) const {
-    bool inside = !end.clipped;
-    for (int a = 0; a < 3; ++a) {
-      inside = inside && end.x[a] >= flow.range[a].inside_low && end.x[a] <= flow.range[a].inside_high;
-    }
-    return inside;
-  }
-  /// First pass at one point near a wall. Where the path was cut or the stencil thinned, the range is narrowed
-  /// to the value itself, so that the second pass leaves it alone.
-  template <int A>
-  void first_at_wall(int i, int j, int k, std::span<const Padded> source, std::span<WallSample> out) const {
-    if (held<A>(i, j, k)) {
-      for (std::size_t f = 0; f < out.size(); ++f) {
-        const float q = source[f].at(i, j, k);
-        out[f] = {q, q, q, true};
-      }
-      return;
-    }
-    const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, -1.0F), -1.0F);
-    for (std::size_t f = 0; f < out.size(); ++f) {
-      out[f] = sample<A>(source[f], end);
-      if (!sound(end) || out[f].thinned) out[f].low = out[f].high = out[f].value;
-    }
-  }
-  /// Second pass at one point near a wall: the value carried back, or `first` where that is not sound.
-  template <int A>
-  void second_at_wall(int i, int j, int k, std::span<const Padded> first, std::span<float> back,
-                      std::span<bool> usable) const {
-    std::fill(usable.begin(), usable.end(), false);
-    if (held<A>(i, j, k)) return;
-    const WallPoint end = walls.trace(t.flow_, lattice_point<A>(i, j, k, 1.0F), 1.0F);
-    for (std::size_t f = 0; f < back.size(); ++f) {
-      const WallSample s = sample<A>(first[f], end);
-      back[f] = s.value;
-      usable[f] = sound(end) && !s.thinned;
-    }
-  }
-
   template <int A>
   void first_pass(std::span<const Padded> source, std::span<Padded> first, std::span<Padded> low,
                   std::span<Padded> high, std::span<float* const> result) const;
@@ -192,7 +100,7 @@ void Transport::Kernel::first_pass(std::span<const Padded> source, std::span<Pad
   const Int3 size = lattice_size(t.grid_, A);
   const std::size_t fields = source.size();
   parallel_chunks(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<WallSample> at_wall(fields);
+    std::vector<WallSample> sampled(fields);
     for (std::size_t row = begin; row < end; ++row) {
       const int j = int(row % size[1]), k = int(row / size[1]);
       for (int i = 0; i < size[0]; i += lanes) {
@@ -212,18 +120,18 @@ void Transport::Kernel::first_pass(std::span<const Padded> source, std::span<Pad
           store_some(low[f].data.data() + here, inside ? corners.lowest() : q, count);
           store_some(high[f].data.data() + here, inside ? corners.highest() : q, count);
         }
-        for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
+        for (unsigned near = at_walls.near<A>(paths, i, j, k, count); near; near &= near - 1) {
           const int lane = __builtin_ctz(near);
-          first_at_wall<A>(i + lane, j, k, source, at_wall);
+          at_walls.first<A>(i + lane, j, k, source, sampled);
           for (std::size_t f = 0; f < fields; ++f) {
             if (first.empty()) {
-              result[f][row * size[0] + i + lane] = at_wall[f].value;
+              result[f][row * size[0] + i + lane] = sampled[f].value;
               continue;
             }
             const std::size_t here = source[f].index(i + lane, j, k);
-            first[f].data[here] = at_wall[f].value;
-            low[f].data[here] = at_wall[f].low;
-            high[f].data[here] = at_wall[f].high;
+            first[f].data[here] = sampled[f].value;
+            low[f].data[here] = sampled[f].low;
+            high[f].data[here] = sampled[f].high;
           }
         }
       }
@@ -258,9 +166,9 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
                      min8(max8(better, load8(low[f].data.data() + here)), load8(high[f].data.data() + here)),
                      count);
         }
-        for (unsigned near = near_wall<A>(paths.stretch, i, j, k, count); near; near &= near - 1) {
+        for (unsigned near = at_walls.near<A>(paths, i, j, k, count); near; near &= near - 1) {
           const int lane = __builtin_ctz(near);
-          second_at_wall<A>(i + lane, j, k, first, back, std::span<bool>(usable.get(), fields));
+          at_walls.second<A>(i + lane, j, k, first, back, std::span<bool>(usable.get(), fields));
           for (std::size_t f = 0; f < fields; ++f) {
             const std::size_t here = source[f].index(i + lane, j, k);
             const float hat = first[f].data[here];
@@ -274,7 +182,7 @@ void Transport::Kernel::second_pass(std::span<const Padded> source, std::span<co
 }
 
 Transport::Transport(const Grid& grid, const Sides& sides, const SideMotion& motion)
-    : grid_(grid), sides_(sides), motion_(motion) {
+    : grid_(grid), sides_(sides), motion_(motion), map_(grid, sides) {
   for (int a = 0; a < 3; ++a) flow_[a].reshape(lattice_size(grid, a), lattice_pad(a));
 }
 
@@ -285,10 +193,9 @@ void Transport::set_flow(const FaceField& velocity, const Walls& walls, double d
     flow_[a].assign(velocity[a], static_cast<float>(scale_));
     flow_[a].fill_ghosts(velocity_ghosts(sides_, a, motion_, scale_));
   }
-  clearance_.clear();
   if (!walls.any) return;
 
-  // Look for walls as far as the fastest path goes; paths longer than the cap are walked cell by cell.
+  // Look for walls as far as the fastest path goes; paths longer than the cap are looked at one by one.
   double fastest = 0.0;
   for (int a = 0; a < 3; ++a) {
     const auto& u = velocity[a];
@@ -298,10 +205,7 @@ void Transport::set_flow(const FaceField& velocity, const Walls& walls, double d
                          return double(most);
                        }));
   }
-  const double reach = std::ceil(std::min(fastest * scale_, 12.0) + 2.0);
-  const std::vector<std::uint8_t> clear = wall_clearance(grid_, sides_, walls, static_cast<int>(reach));
-  clearance_.assign(clear.size() + 3 * lanes, 0);
-  std::copy(clear.begin(), clear.end(), clearance_.begin() + lanes);
+  map_.set(walls, static_cast<int>(std::ceil(std::min(fastest * scale_, 12.0) + 2.0)));
 }
 
 void Transport::reshape_work(std::size_t fields, int lattice) {

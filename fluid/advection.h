@@ -13,7 +13,7 @@
 
 #include "fluid/padded.h"
 #include "fluid/smoke.h"
-#include "fluid/walls.h"
+#include "fluid/wall_map.h"
 
 namespace wick::fluid {
 
@@ -67,7 +67,7 @@ class Transport {
   const Walls* walls_ = nullptr;
   double scale_ = 0.0;  ///< cells a step per m/s
   std::array<Padded, 3> flow_;
-  std::vector<std::uint8_t> clearance_;  ///< of the cells, room for eight before and after; empty without walls
+  WallMap map_;  ///< of the walls, if there are any
   std::vector<Padded> source_, first_, low_, high_;
   std::array<std::vector<float>, 3> courant_, flux_;
   CellField before_;

@@ -1,9 +1,8 @@
 #pragma once
 /// The inner loops of advection: eight points of a row at a time, no case for sides or walls. Points whose
-/// path comes near a wall are done again, one at a time, through WallPaths.
+/// path meets a wall are done again, one at a time, through WallTransport.
 #include "fluid/advection.h"
 #include "fluid/simd.h"
-#include "fluid/wall_paths.h"
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -112,28 +111,22 @@ struct FlowView {
   }
 };
 
-/// End of eight paths, and the longest stretch of each along any axis.
+/// Eight paths: where they begin, where their velocity is taken, and where they end.
 struct Paths {
-  std::array<F8, 3> x;
-  F8 stretch;
+  std::array<F8, 3> start, middle, x;
 };
 
 /// Second-order paths against (sign -1) or along (+1) the flow from eight points of lattice A.
 template <int A>
 WICK_INLINE Paths trace_paths(const FlowView& flow, int i, int j, int k, float sign) {
-  const std::array<F8, 3> x = {lane_index() + (static_cast<float>(i) + (A == 0 ? 0.0F : 0.5F)),
-                               splat(static_cast<float>(j) + (A == 1 ? 0.0F : 0.5F)),
-                               splat(static_cast<float>(k) + (A == 2 ? 0.0F : 0.5F))};
-  const auto u = flow.at_points<A>(i, j, k);
-  std::array<F8, 3> middle;
-  for (int a = 0; a < 3; ++a) middle[a] = x[a] + (0.5F * sign) * u[a];
-  const auto um = flow.sample(middle);
   Paths paths;
-  paths.stretch = splat(0.0F);
-  for (int a = 0; a < 3; ++a) {
-    paths.x[a] = x[a] + sign * um[a];
-    paths.stretch = max8(paths.stretch, max8(0.5F * abs8(u[a]), abs8(um[a])));
-  }
+  paths.start = {lane_index() + (static_cast<float>(i) + (A == 0 ? 0.0F : 0.5F)),
+                 splat(static_cast<float>(j) + (A == 1 ? 0.0F : 0.5F)),
+                 splat(static_cast<float>(k) + (A == 2 ? 0.0F : 0.5F))};
+  const auto u = flow.at_points<A>(i, j, k);
+  for (int a = 0; a < 3; ++a) paths.middle[a] = paths.start[a] + (0.5F * sign) * u[a];
+  const auto um = flow.sample(paths.middle);
+  for (int a = 0; a < 3; ++a) paths.x[a] = paths.start[a] + sign * um[a];
   return paths;
 }
 

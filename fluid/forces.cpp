@@ -80,11 +80,7 @@ void add_buoyancy(FaceField& velocity, const Padded& lift, const SmokeSources& s
       if (!body) return;
       for (int i = 0; i < size[0]; ++i) u[i] += step * body[row * size[0] + i];
     });
-    // Closed faces move with their wall.
-    if (!walls.any) continue;
-    parallel_for(velocity[a].size(), cell_grain, [&](std::size_t f) {
-      if (walls.closed[a][f]) velocity[a][f] = walls.velocity[a][f];
-    });
+    move_with_walls(walls, a, velocity[a]);
   }
 }
 

@@ -58,10 +58,11 @@ void FaceRows::closed_row(int axis, int j, int k, std::uint8_t* closed) const {
   const Rows rows = rows_beside(axis, j, k);
   const bool shut =
       (rows.low < 0 && sides_[2 * axis] == Side::closed) || (rows.high < 0 && sides_[2 * axis + 1] == Side::closed);
-  std::fill_n(closed, grid_.nx, static_cast<std::uint8_t>(shut ? 1 : 0));
+  const int nx = grid_.nx;
+  std::fill_n(closed, nx, static_cast<std::uint8_t>(shut ? 1 : 0));
   if (walls_ == nullptr || shut) return;
-  const auto add = [&](const std::uint8_t* marks) {
-    for (int i = 0; i < grid_.nx; ++i) closed[i] |= marks[i];
+  const auto add = [closed, nx](const std::uint8_t* marks) {
+    for (int i = 0; i < nx; ++i) closed[i] |= marks[i];
   };
   add(walls_->closed[axis].data() + grid_.face(axis, 0, j, k));
   if (rows.low >= 0) add(walls_->solid.data() + rows.low);

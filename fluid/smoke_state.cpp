@@ -108,11 +108,7 @@ void impose_walls(const Grid& grid, const Sides& sides, const Walls& walls, Face
       }
     }
   }
-  for (int a = 0; walls.any && a < 3; ++a) {
-    parallel_for(velocity[a].size(), cell_grain, [&](std::size_t f) {
-      if (walls.closed[a][f]) velocity[a][f] = walls.velocity[a][f];
-    });
-  }
+  for (int a = 0; a < 3; ++a) move_with_walls(walls, a, velocity[a]);
   join_periodic_faces(grid, sides, velocity);
 }
 

@@ -3,49 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
-
 namespace wick::fluid {
+
+WallPaths::WallPaths(const Grid& grid, const Sides& sides, const WallMap& map)
+    : size_{grid.nx, grid.ny, grid.nz}, map_(map) {
+  for (int a = 0; a < 3; ++a) {
+    periodic_[a] = sides[2 * a] == Side::periodic;
+    low_[a] = sides[2 * a] == Side::open ? -0.5F : 0.0F;
+    high_[a] = static_cast<float>(size_[a]) + (sides[2 * a + 1] == Side::open ? 0.5F : 0.0F);
+  }
+}
 
 void WallPaths::wrap_cell(Int3& cell) const {
   for (int b = 0; b < 3; ++b) {
-    const int n = grid_.size(b);
-    if (sides_[2 * b] == Side::periodic) cell[b] = ((cell[b] % n) + n) % n;
+    const int n = size_[b];
+    if (periodic_[b] && (cell[b] < 0 || cell[b] >= n)) cell[b] = ((cell[b] % n) + n) % n;
   }
-}
-
-bool WallPaths::closed_face(int axis, const Int3& face) const {
-  Int3 cell = face;
-  const int n = grid_.size(axis);
-  if (sides_[2 * axis] == Side::periodic) cell[axis] = ((face[axis] % n) + n) % n;
-  for (int b = 0; b < 3; ++b) {
-    if (b == axis) continue;
-    const int m = grid_.size(b);
-    if (sides_[2 * b] == Side::periodic) cell[b] = ((cell[b] % m) + m) % m;
-    if (cell[b] < 0 || cell[b] >= m) return false;  // between ghosts of an open side there is only air
-  }
-  if (cell[axis] < 0 || cell[axis] > n) return true;
-  if (cell[axis] == 0 && sides_[2 * axis] == Side::closed) return true;
-  if (cell[axis] == n && sides_[2 * axis + 1] == Side::closed) return true;
-  return walls_.any && walls_.closed[axis][grid_.face(axis, cell[0], cell[1], cell[2])] != 0;
-}
-
-bool WallPaths::passable(const Int3& cell, int axis, int upper) const {
-  Int3 face = cell;
-  face[axis] += upper;
-  // Nothing goes sideways out of the layer of ghosts, whose outer sides are at infinity for what is near a wall.
-  for (int b = 0; b < 3; ++b) {
-    if (b == axis || sides_[2 * b] == Side::periodic) continue;
-    if (cell[b] < -1 || cell[b] > grid_.size(b)) return false;
-  }
-  const int n = grid_.size(axis);
-  if (sides_[2 * axis] != Side::periodic && (face[axis] < 0 || face[axis] > n)) return false;
-  for (int b = 0; b < 3; ++b) {
-    if (b == axis) continue;
-    const bool ghost = cell[b] < 0 || cell[b] >= grid_.size(b);
-    if (ghost && sides_[2 * b + (cell[b] >= 0)] == Side::closed) return false;
-  }
-  return !closed_face(axis, face);
 }
 
 WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& displacement) const {
@@ -53,12 +26,10 @@ WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& di
   std::array<float, 3> d = displacement;
   for (int a = 0; a < 3; ++a) {
     // A value that is not a number, or one larger than the box, must not walk for ever.
-    const float longest = 4.0F * static_cast<float>(grid_.size(a) + 1);
+    const float longest = 4.0F * static_cast<float>(size_[a] + 1);
     d[a] = std::isfinite(d[a]) ? std::clamp(d[a], -longest, longest) : 0.0F;
-    if (sides_[2 * a] == Side::periodic) continue;
-    const float low = sides_[2 * a] == Side::open ? -0.5F : 0.0F;
-    const float high = static_cast<float>(grid_.size(a)) + (sides_[2 * a + 1] == Side::open ? 0.5F : 0.0F);
-    const float end = std::clamp(start.x[a] + d[a], low, high);
+    if (periodic_[a]) continue;
+    const float end = std::clamp(start.x[a] + d[a], low_[a], high_[a]);
     at.clipped = at.clipped || end != start.x[a] + d[a];
     d[a] = end - start.x[a];
   }
@@ -75,7 +46,7 @@ WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& di
     }
     if (axis < 0) break;
     travelled = std::max(travelled, next);
-    if (!passable(at.cell, axis, d[axis] > 0.0F)) {
+    if (!map_.passable(at.cell, axis, d[axis] > 0.0F)) {
       at.clipped = true;
       for (int a = 0; a < 3; ++a) d[a] *= travelled;
       break;
@@ -90,20 +61,27 @@ WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& di
 }
 
 unsigned WallPaths::reach(const Int3& cell, const Int3& toward) const {
+  // Most blocks have no wall in them.
+  Int3 low, high;
+  for (int a = 0; a < 3; ++a) low[a] = std::min(cell[a], cell[a] + toward[a]), high[a] = low[a] + 1;
+  if (map_.all_open(low, high)) return 0xFF;
+
   // Grow the set over the twelve inner faces of the block until it stays the same.
+  std::array<unsigned, 8> doors;
+  for (int corner = 0; corner < 8; ++corner) {
+    Int3 c = cell;
+    for (int a = 0; a < 3; ++a) c[a] += (corner >> a & 1) * toward[a];
+    doors[corner] = map_.doors(c);
+  }
   unsigned reached = 1;
   for (unsigned before = 0; before != reached;) {
     before = reached;
     for (int corner = 0; corner < 8; ++corner) {
       if (!(reached >> corner & 1U)) continue;
-      Int3 c = cell;
-      for (int a = 0; a < 3; ++a) c[a] += (corner >> a & 1) * toward[a];
       for (int a = 0; a < 3; ++a) {
-        const int other = corner ^ (1 << a);
-        if (reached >> other & 1U) continue;
         const bool outward = !(corner >> a & 1);
         const bool up = outward == (toward[a] > 0);
-        if (passable(c, a, up)) reached |= 1U << other;
+        if (doors[corner] >> (2 * a + up) & 1U) reached |= 1U << (corner ^ (1 << a));
       }
     }
   }
@@ -171,7 +149,7 @@ WallSample WallPaths::sample_velocity(const Padded& component, int axis, const W
   wrap_cell(here.cell);
   const Block block = block_around(at);
   const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-  const int n = grid_.size(axis);
+  const int n = size_[axis];
   const float along = std::clamp(at.x[axis] - static_cast<float>(at.cell[axis]), 0.0F, 1.0F);
 
   // Of the four cells side by side, those are seen to which a path of open faces leads within the four.
@@ -182,8 +160,9 @@ WallSample WallPaths::sample_velocity(const Padded& component, int axis, const W
     cells[corner][c] += (corner >> 1) * block.toward[c];
   }
   const int up_b = block.toward[b] > 0, up_c = block.toward[c] > 0;
-  const bool b0 = passable(cells[0], b, up_b), c0 = passable(cells[0], c, up_c);
-  const bool b1 = passable(cells[2], b, up_b), c1 = passable(cells[1], c, up_c);
+  const unsigned here_doors = map_.doors(cells[0]);
+  const bool b0 = here_doors >> (2 * b + up_b) & 1U, c0 = here_doors >> (2 * c + up_c) & 1U;
+  const bool b1 = map_.passable(cells[2], b, up_b), c1 = map_.passable(cells[1], c, up_c);
   const std::array<bool, 4> seen = {true, b0 || (c0 && b1 && c1), c0 || (b0 && c1 && b1), (b0 && c1) || (c0 && b1)};
   Mean mean;
   for (int corner = 0; corner < 4; ++corner) {
@@ -220,69 +199,6 @@ WallPoint WallPaths::trace(const std::array<Padded, 3>& flow, const WallPoint& s
   WallPoint end = walk(start, scaled(velocity(flow, middle), sign));
   end.clipped = end.clipped || middle.clipped;
   return end;
-}
-
-namespace {
-
-/// Marks a cell 0 where one of its faces that is not a side of the box is closed.
-void mark_wall_cells(const Grid& g, const Sides& sides, const Walls& walls, std::vector<std::uint8_t>& clear) {
-  for (int a = 0; a < 3; ++a) {
-    parallel_for(std::size_t(g.ny) * g.nz, 64, [&](std::size_t row) {
-      const int j = int(row % g.ny), k = int(row / g.ny);
-      for (int i = 0; i < g.nx; ++i) {
-        const Int3 c = {i, j, k};
-        Int3 up = c;
-        ++up[a];
-        const bool low_side = c[a] == 0 && sides[2 * a] == Side::closed;
-        const bool high_side = up[a] == g.size(a) && sides[2 * a + 1] == Side::closed;
-        const bool low = !low_side && walls.closed[a][g.face(a, i, j, k)];
-        const bool high = !high_side && walls.closed[a][g.face(a, up[0], up[1], up[2])];
-        if (low || high) clear[g.cell(i, j, k)] = 0;
-      }
-    });
-  }
-}
-
-/// out = min over |o| <= reach of max(|o|, value o cells along the axis), rows of bytes at a time.
-void spread_rows(const Grid& g, bool periodic, int axis, int reach, const std::vector<std::uint8_t>& in,
-                 std::vector<std::uint8_t>& out) {
-  const int n = g.size(axis);
-  parallel_for(std::size_t(g.ny) * g.nz, 32, [&](std::size_t row) {
-    const int j = int(row % g.ny), k = int(row / g.ny);
-    std::uint8_t* to = out.data() + g.cell(0, j, k);
-    const std::uint8_t* self = in.data() + g.cell(0, j, k);
-    std::copy(self, self + g.nx, to);
-    for (int o = -reach; o <= reach; ++o) {
-      const auto distance = static_cast<std::uint8_t>(std::abs(o));
-      if (axis == 0) {
-        for (int i = std::max(0, -o); i < std::min(n, n - o); ++i)
-          to[i] = std::min(to[i], std::max(distance, self[i + o]));
-        if (!periodic) continue;
-        for (int i = 0; i < n; ++i) {
-          if (i + o >= 0 && i + o < n) continue;
-          to[i] = std::min(to[i], std::max(distance, self[((i + o) % n + n) % n]));
-        }
-        continue;
-      }
-      int other = (axis == 1 ? j : k) + o;
-      if (periodic) other = (other % n + n) % n;
-      if (other < 0 || other >= n) continue;
-      const std::uint8_t* from = in.data() + (axis == 1 ? g.cell(0, other, k) : g.cell(0, j, other));
-      for (int i = 0; i < g.nx; ++i) to[i] = std::min(to[i], std::max(distance, from[i]));
-    }
-  });
-}
-
-}  // namespace
-
-std::vector<std::uint8_t> wall_clearance(const Grid& grid, const Sides& sides, const Walls& walls, int reach) {
-  std::vector<std::uint8_t> clear(grid.cells(), static_cast<std::uint8_t>(reach + 1)), other(grid.cells());
-  mark_wall_cells(grid, sides, walls, clear);
-  for (int a = 0; a < 3; ++a) {
-    spread_rows(grid, sides[2 * a] == Side::periodic, a, reach, clear, other);
-    std::swap(clear, other);
-  }
-  return clear;
 }
 
 }  // namespace wick::fluid

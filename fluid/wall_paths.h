@@ -8,7 +8,7 @@
 #include <array>
 
 #include "fluid/padded.h"
-#include "fluid/walls.h"
+#include "fluid/wall_map.h"
 
 namespace wick::fluid {
 
@@ -27,12 +27,9 @@ struct WallSample {
 
 class WallPaths {
  public:
-  WallPaths(const Grid& grid, const Sides& sides, const Walls& walls) : grid_(grid), sides_(sides), walls_(walls) {}
+  /// `map` must outlive the use.
+  WallPaths(const Grid& grid, const Sides& sides, const WallMap& map);
 
-  /// True where one may go from `cell` to its neighbour across its lower (0) or upper (1) face of `axis`.
-  [[nodiscard]] bool passable(const Int3& cell, int axis, int upper) const;
-  /// True where the face is closed for good: an inner wall, or a closed side of the box.
-  [[nodiscard]] bool closed_face(int axis, const Int3& face) const;
   /// Goes from `start` along `displacement` until the end or the first closed face.
   [[nodiscard]] WallPoint walk(const WallPoint& start, const std::array<float, 3>& displacement) const;
   /// Interpolates values at cell centres from those of the eight cells around the point that can be reached.
@@ -49,13 +46,10 @@ class WallPaths {
   /// Which of the 2x2x2 cells from `cell` toward `toward` are joined to it by open faces within the block.
   [[nodiscard]] unsigned reach(const Int3& cell, const Int3& toward) const;
 
-  const Grid& grid_;
-  const Sides& sides_;
-  const Walls& walls_;
+  Int3 size_;
+  std::array<bool, 3> periodic_{};
+  std::array<float, 3> low_{}, high_{};  ///< limits of positions: half a cell beyond open sides
+  const WallMap& map_;
 };
-
-/// For each cell how many cells away, counted along the axis where it is farthest (Chebyshev), the nearest cell
-/// with a closed inner face is; `reach` + 1 where there is none within `reach`.
-std::vector<std::uint8_t> wall_clearance(const Grid& grid, const Sides& sides, const Walls& walls, int reach);
 
 }  // namespace wick::fluid

@@ -1,6 +1,7 @@
 #include "fluid/walls.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "core/parallel.h"
 
@@ -45,6 +46,23 @@ void spread(const Grid& grid, int axis, bool periodic, int reach, std::vector<st
 }
 
 }  // namespace
+
+void move_with_walls(const Walls& walls, int axis, std::vector<float>& velocity) {
+  if (!walls.any) return;
+  const std::uint8_t* closed = walls.closed[axis].data();
+  const float* wall = walls.velocity[axis].data();
+  float* u = velocity.data();
+  parallel_chunks(velocity.size(), 1 << 15, [=](std::size_t begin, std::size_t end) {
+    // Nearly all faces are open: look at eight at once.
+    for (std::size_t f = begin; f < end; f += 8) {
+      const std::size_t count = std::min<std::size_t>(8, end - f);
+      std::uint64_t marks = 0;
+      std::memcpy(&marks, closed + f, count);
+      if (marks == 0) continue;
+      for (std::size_t i = f; i < f + count; ++i) u[i] = closed[i] ? wall[i] : u[i];
+    }
+  });
+}
 
 void mark_near_walls(const Grid& grid, const Sides& sides, Walls& walls) {
   mark_touching(grid, walls);

@@ -1,5 +1,6 @@
 /// Speed of the smoke step: a plume with and without a sphere and a sheet, at one and two threads.
-///   bench_smoke [--large]      --large adds 256^3
+///   bench_smoke [--large]                    --large adds 256^3
+///   bench_smoke CELLS SCENE THREADS          one plume alone, for profiles
 ///
 /// For each stage: ns a cell, and the bytes a cell that the arrays it must read and write come to once each
 /// (modelled, without caches), as a share of the bandwidth of a triad measured in the same run.
@@ -170,11 +171,16 @@ void scalar(int n, int threads) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 4) {
+    const Scene scenes[] = {Scene::empty, Scene::sphere, Scene::sheet};
+    for (const Scene scene : scenes) {
+      if (!std::strcmp(argv[2], name_of(scene))) plume(std::atoi(argv[1]), scene, std::atoi(argv[3]));
+    }
+    return 0;
+  }
   const bool large = argc > 1 && !std::strcmp(argv[1], "--large");
-  const int only = argc > 2 ? std::atoi(argv[2]) : 0;
   for (const int n : {64, 128, 256}) {
     if (n == 256 && !large) continue;
-    if (only && n != only) continue;
     for (const int threads : {1, 2}) scalar(n, threads);
     for (const Scene scene : {Scene::empty, Scene::sphere, Scene::sheet}) {
       for (const int threads : {1, 2}) plume(n, scene, threads);

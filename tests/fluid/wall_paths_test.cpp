@@ -66,7 +66,9 @@ TEST(Walls, PathsStopBeforeTheFirstClosedFace) {
   const Grid g = {8, 4, 4, 1.0, Vec3::Zero()};
   const Sides sides = all_sides(Side::closed);
   const Walls walls = bag(g, [](const Vec3& x) { return x.x() < 5.0; });
-  const WallPaths paths(g, sides, walls);
+  WallMap map(g, sides);
+  map.set(walls, 1);
+  const WallPaths paths(g, sides, map);
   const WallPoint start = {{1.5F, 1.5F, 1.5F}, {1, 1, 1}, false};
   const WallPoint free = paths.walk(start, {2.0F, 1.0F, 0.0F});
   EXPECT_FALSE(free.clipped);
@@ -84,7 +86,9 @@ TEST(Walls, SamplesSeeTheirOwnSideOnly) {
   const Grid g = {8, 4, 4, 1.0, Vec3::Zero()};
   const Sides sides = all_sides(Side::closed);
   Walls walls = bag(g, [](const Vec3& x) { return x.x() < 5.0; });
-  const WallPaths paths(g, sides, walls);
+  WallMap map(g, sides);
+  map.set(walls, 1);
+  const WallPaths paths(g, sides, map);
   Padded q;
   q.reshape({8, 4, 4}, {1, 1, 1});
   q.assign(cell_field(g, [](const Vec3& x) { return x.x() < 5.0 ? 1.0 : 7.0; }), 1.0F);

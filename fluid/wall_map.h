@@ -1,0 +1,64 @@
+#pragma once
+/// Which faces of each cell one may pass, a byte a cell, so that whatever moves near walls asks one table.
+#include <cstdint>
+#include <vector>
+
+#include "fluid/walls.h"
+
+namespace wick::fluid {
+
+/// Covers the cells of the box and two layers around it. Outside an open side there is one layer of ghost cells,
+/// which are cells like all others; nothing goes into the second. A periodic side continues with the cells of
+/// the other end, however far.
+class WallMap {
+ public:
+  WallMap(const Grid& grid, const Sides& sides);
+
+  /// Takes other walls. For paths of up to `reach` - 2 cells, clearance() tells where they are far.
+  void set(const Walls& walls, int reach);
+
+  /// Bit 2 a + u set: one may go across the lower (u = 0) or upper (1) face of axis a.
+  [[nodiscard]] unsigned doors(const Int3& cell) const { return open_[index(cell)]; }
+  [[nodiscard]] bool passable(const Int3& cell, int axis, int upper) const {
+    return doors(cell) >> (2 * axis + upper) & 1U;
+  }
+  /// True where the face is closed for good: an inner wall, or a closed side of the box.
+  [[nodiscard]] bool closed_face(int axis, const Int3& face) const;
+  /// True if all faces between the cells from `low` to `high` can be passed. What lies beyond the layer of ghosts
+  /// does not count; false for boxes of more than eight cells along x and across periodic sides, where
+  /// this was not looked for.
+  [[nodiscard]] bool all_open(const Int3& low, const Int3& high) const;
+
+  /// For each cell how many cells away, counted along the axis where it is farthest (Chebyshev), the nearest cell
+  /// with a closed face is that is no side of the box; reach + 1 where there is none within `reach`. Eight
+  /// bytes may be read before and after. Null before the first walls.
+  [[nodiscard]] const std::uint8_t* clearance() const { return clear_.empty() ? nullptr : clear_.data() + slack; }
+
+ private:
+  static constexpr int pad = 2;
+  static constexpr std::size_t slack = 8;
+
+  [[nodiscard]] int place(int at, int axis) const {
+    const int n = size_[axis];
+    return periodic_[axis] && (at < 0 || at >= n) ? (at % n + n) % n : at;
+  }
+  [[nodiscard]] std::size_t index(const Int3& c) const {
+    return std::size_t(place(c[0], 0) + pad) + stride_y_ * std::size_t(place(c[1], 1) + pad) +
+           stride_z_ * std::size_t(place(c[2], 2) + pad);
+  }
+  [[nodiscard]] bool passable_in_box(const Int3& cell, int axis, int upper) const;
+  void close_row(const Walls& walls, int j, int k, std::uint8_t far);
+  void close_ghost_doors(const Walls& walls);
+  void spread(int axis, int reach);
+
+  Grid grid_;
+  Sides sides_;
+  Int3 size_, ghost_low_, ghost_high_;  ///< lowest and highest cells that exist, ghosts included
+  std::array<bool, 3> periodic_{};
+  std::size_t stride_y_ = 0, stride_z_ = 0;
+  std::vector<std::uint8_t> box_, open_;  ///< doors without and with the walls
+  std::vector<std::uint8_t> clear_, other_;
+  std::vector<std::uint8_t> near_row_, other_row_;  ///< rows of `clear_` that hold a value other than reach + 1
+};
+
+}  // namespace wick::fluid
