@@ -102,6 +102,26 @@ void Multigrid::subtract_part_means(std::vector<double>& field, double* removed)
   });
 }
 
+/// The same for values in two colours. Rounding of A x leaves a constant in closed parts that A cannot make, and
+/// that conjugate gradients would chase in vain.
+void Multigrid::subtract_part_means(Coloured<double>& field) const {
+  if (part_.empty()) return;
+  const Layout& layout = levels_[0].layout;
+  std::vector<double> mean(parts_, 0.0), count(parts_, 0.0);
+  const auto for_parts = [&](const auto& body) {
+    for (int k = 0; k < layout.nz; ++k)
+      for_rows(layout, k, [&](int c, int j, int o, std::ptrdiff_t row) {
+        const auto* part = part_.data() + std::size_t(layout.nx) * layout.row_index(j, k) + o;
+        double* values = field[c].data() + row;
+        for (int m = 0; m < layout.count(o); ++m)
+          if (part[2 * m] >= 0) body(part[2 * m], values[m]);
+      });
+  };
+  for_parts([&](int n, double& value) { mean[n] += value, count[n] += 1.0; });
+  for (int n = 0; n < parts_; ++n) mean[n] /= count[n];
+  for_parts([&](int n, double& value) { value -= mean[n]; });
+}
+
 void Multigrid::load(const std::vector<double>& field, double scale, Coloured<double>& out) const {
   const Layout& layout = levels_[0].layout;
   parallel_for(layout.nz, plane_grain(layout), [&](std::size_t k) {
@@ -140,6 +160,7 @@ double Multigrid::update_residual(const std::vector<double>& f, double scale, co
     });
   });
   if (extra != nullptr) extra->add_product(x_, -1.0, r_);
+  subtract_part_means(r_);
   return sum_planes(layout, [&](int k) {
     Lanes lanes;
     for_rows(layout, k, [&](int c, int, int o, std::ptrdiff_t row) {
@@ -231,8 +252,8 @@ double Multigrid::preconditioned_product() const {
 int Multigrid::iterate(const std::vector<double>& f, double scale, const MovableTerm* extra, double target,
                        int max_iterations, double& residual) {
   int iterations = 0;
-  double last_product = 0.0, last_exact = residual;
-  bool exact = true;
+  double last_product = 0.0, last_exact = residual, least = residual;
+  bool exact = true, kept = false;
   while (iterations < max_iterations && residual > target) {
     v_cycle(levels_);
     const double product = preconditioned_product();
@@ -248,11 +269,21 @@ int Multigrid::iterate(const std::vector<double>& f, double scale, const Movable
     if (!exact) continue;
     residual = update_residual(f, scale, extra);
     last_product = 0.0;
+    if (residual > target && residual < least) {
+      // Keep it: where rounding is all that is left, going on can make it worse by any factor.
+      least = residual;
+      best_ = x_;
+      kept = true;
+    }
     // Half the residual is the least that a fresh start must bring; with less, rounding is all that is left.
     if (!(residual <= 0.25 * last_exact)) break;
     last_exact = residual;
   }
   if (!exact) residual = update_residual(f, scale, extra);
+  if (kept && !(residual <= least)) {
+    x_ = best_;
+    residual = update_residual(f, scale, extra);
+  }
   return iterations;
 }
 

@@ -27,6 +27,7 @@ class Multigrid {
   void subtract_part_means(std::vector<double>& field, double* removed) const;
   void load(const std::vector<double>& field, double scale, Coloured<double>& out) const;
   void store(const Coloured<double>& in, double scale, std::vector<double>& field) const;
+  void subtract_part_means(Coloured<double>& field) const;
   double update_residual(const std::vector<double>& f, double scale, const MovableTerm* extra);
   double turn_direction(double beta, const MovableTerm* extra);
   double advance(double alpha, const MovableTerm* extra);
@@ -40,6 +41,7 @@ class Multigrid {
   std::vector<std::int32_t> part_;  ///< closed part of each cell, -1: none; empty: no closed part
   int parts_ = 0;
   Coloured<double> x_, r_;
+  Coloured<double> best_;  ///< x of the least true residual, once there was a fresh start
   Coloured<float> direction_;
 };
 
