@@ -3,18 +3,39 @@
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/MeshToVolume.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/require.h"
 #include "coupling/sheet.h"
 
 namespace wick::coupling {
 
+namespace {
+
+/// Every edge must be passed once in each direction: otherwise there is no inside.
+void require_closed(const std::vector<Int3>& triangles, const std::string& pointer) {
+  std::map<Int2, int> passes;
+  for (const Int3& t : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      passes[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  for (const auto& [edge, sum] : passes)
+    require(sum == 0, pointer + "/file",
+            "is not closed at the edge of vertices " + std::to_string(edge[0]) + " and " + std::to_string(edge[1]) +
+                " (an obstacle needs an inside)");
+}
+
+}  // namespace
+
 SampledShape sample_mesh_distance(const std::vector<Vec3>& positions, const std::vector<Int3>& triangles,
                                   double spacing, const std::string& pointer) {
   constexpr int kMargin = 3;          // cells around the mesh; beyond it the distance to the box is added
   constexpr double kMostNodes = 2e8;  // 0.8 GB of float
   require(!triangles.empty(), pointer + "/file", "has no triangles");
+  require_closed(triangles, pointer);
   Vec3 low = positions.front(), high = low;
   for (const Vec3& x : positions) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const Vec3 extent = (high - low) / spacing;

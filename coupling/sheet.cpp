@@ -1,5 +1,7 @@
 #include "coupling/sheet.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -13,6 +15,11 @@ namespace wick::coupling {
 
 namespace {
 
+/// What the machine could hand out now [bytes].
+std::uint64_t available_memory() {
+  return static_cast<std::uint64_t>(sysconf(_SC_AVPHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
 /// Refusals of the mesh readers know no scene: they get the pointer of the parameter that named the file.
 template <class Make>
 auto with_pointer(const std::string& pointer, Make&& make) {
@@ -25,6 +32,24 @@ auto with_pointer(const std::string& pointer, Make&& make) {
 
 std::string beside_scene(const WorldParams& world, const std::string& file) {
   return (std::filesystem::path(world.directory) / file).string();
+}
+
+/// Refuses a file that is empty, out of all scale, or more than memory bears once it is subdivided.
+void require_bearable(const solid::TriangleSoup& soup, const MeshParams& p, const std::string& pointer) {
+  require(!soup.triangles.empty(), pointer + "/file", "has no triangles");
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  for (const Vec3& x : soup.positions) low = low.cwiseMin(p.scale * x), high = high.cwiseMax(p.scale * x);
+  // Beyond these a sheet is smaller than a grain of dust, or loses the digits that a millimetre needs.
+  constexpr double kSmallest = 1e-6, kFar = 1e6;
+  require((high - low).norm() >= kSmallest && high.cwiseAbs().cwiseMax(low.cwiseAbs()).maxCoeff() <= kFar,
+          pointer + "/scale",
+          "makes a sheet of " + std::to_string((high - low).norm()) + " m (1e-6 to 1e6 m can be simulated)");
+  constexpr double kBytesPerTriangle = 2000.0, kMost = 200e9;
+  const double bytes =
+      kBytesPerTriangle * static_cast<double>(soup.triangles.size()) * std::pow(4.0, p.subdivisions);
+  require(bytes <= std::min(kMost, static_cast<double>(available_memory())), pointer + "/subdivisions",
+          "would need about " + std::to_string(static_cast<long long>(bytes / 1e9)) + " GB; lower it",
+          ExitCode::refused);
 }
 
 solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, const WorldParams& world) {
@@ -42,11 +67,8 @@ solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, c
   require(!p.file.empty(), pointer + "/file", "missing (kind is \"file\"); name a PLY or OBJ beside the scene");
   solid::TriangleSoup soup =
       with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
-  for (int n = 0; n < p.subdivisions; ++n) {
-    require(soup.triangles.size() < 50'000'000, pointer + "/subdivisions",
-            "more than 200 million triangles; lower it");
-    soup = solid::subdivide(soup);
-  }
+  require_bearable(soup, p, pointer);
+  for (int n = 0; n < p.subdivisions; ++n) soup = solid::subdivide(soup);
   return soup;
 }
 

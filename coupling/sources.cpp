@@ -78,8 +78,8 @@ void check_world(const WorldParams& p) {
 
 std::uint64_t estimate_world_bytes(const WorldParams& p) {
   // Bytes a cell: state 36, walls 28, advection and solver work arrays about 190 (measured on the plume at 128^3).
-  constexpr double kPerCell = 260.0, kPerVertex = 4000.0;
-  double bytes = 0.0;
+  constexpr double kPerCell = 260.0, kPerVertex = 4000.0, kProgram = 90e6;
+  double bytes = kProgram;
   if (p.smoke) bytes += kPerCell * p.smoke->resolution[0] * p.smoke->resolution[1] * p.smoke->resolution[2];
   for (const ShellSection& shell : p.shells) {
     double vertices = double(shell.mesh.vertices[0]) * shell.mesh.vertices[1];

@@ -109,6 +109,9 @@ SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>&
   lost.heat = params.air_density * params.air_heat_capacity * volume *
               hand_over(gas.temperature, swept, neighbours, shares);
   hand_over(gas.flame, swept, neighbours, shares);
+  // Flame is an indicator, not a stuff: handed over it may not add up to more than 1.
+  for (const Neighbours& found : neighbours)
+    for (const std::int64_t cell : found.across) gas.flame[cell] = std::min(gas.flame[cell], 1.0F);
   return lost;
 }
 

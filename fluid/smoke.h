@@ -26,7 +26,7 @@ struct SmokeParams {
   Sides sides = {Side::closed, Side::closed, Side::closed, Side::closed, Side::closed, Side::open};
   double cfl = 2.0;                 ///< cells the fastest flow may cross in one step
   Advection velocity_advection = Advection::maccormack;
-  Advection scalar_advection = Advection::maccormack;
+  Advection scalar_advection = Advection::conservative;
   double air_density = 1.2;         ///< rho [kg/m3]
   double air_heat_capacity = 1005;  ///< c_p [J/(kg K)]
   double ambient_temperature = 293.15;  ///< T_amb [K]

@@ -51,7 +51,7 @@ void describe_fading(ParameterVisitor& v, SmokeParams& p) {
             "rate at which the gas loses its excess heat, booked; too large: plumes stall", OnResume::may_change},
            p.cooling);
   v.number(
-      {"flame_life", "s", above(0),
+      {"flame_life", "s", between(1e-6, 1e6),
        "time in which the flame coordinate falls by e; too large: flames trail like smoke", OnResume::may_change},
       p.flame_life);
 }
@@ -61,7 +61,7 @@ void describe_fading(ParameterVisitor& v, SmokeParams& p) {
 void describe(ParameterVisitor& v, SmokeParams& p) {
   v.vector({"resolution", "1", between(1, 4096), "cells along x, y, z"}, p.resolution);
   v.vector({"lower", "m", any_value(), "lower corner of the box"}, p.lower);
-  v.number({"width", "m", above(0), "extent of the box along x; cells are cubes of width/nx"}, p.width);
+  v.number({"width", "m", between(1e-5, 1e6), "extent of the box along x; cells are cubes of width/nx"}, p.width);
   v.group("sides", "what each side of the box does", [&](ParameterVisitor& g) { describe_sides(g, p.sides); });
   v.number({"cfl", "1", above_up_to(0, 100),
             "cells that the fastest flow may cross in one step; too large: smeared detail", OnResume::may_change},
@@ -69,13 +69,15 @@ void describe(ParameterVisitor& v, SmokeParams& p) {
   v.choice({"velocity_advection", "", any_value(), "how velocity is carried; semi_lagrangian damps eddies",
             OnResume::may_change},
            p.velocity_advection, velocity_schemes);
-  v.choice({"scalar_advection", "", any_value(),
-            "how smoke, heat and flame are carried; conservative keeps their sums to rounding and costs more",
-            OnResume::may_change},
-           p.scalar_advection, scalar_schemes);
-  v.number({"air_density", "kg/m3", above(0), "rho of the air"}, p.air_density);
-  v.number({"air_heat_capacity", "J/(kg K)", above(0), "c_p of the air"}, p.air_heat_capacity);
-  v.number({"ambient_temperature", "K", above(0), "T_amb, far from any fire"}, p.ambient_temperature);
+  v.choice(
+      {"scalar_advection", "", any_value(),
+       "how smoke, heat and flame are carried; conservative keeps their sums to rounding, the others make or lose "
+       "both, most of all beside sheets",
+       OnResume::may_change},
+      p.scalar_advection, scalar_schemes);
+  v.number({"air_density", "kg/m3", between(1e-6, 1e6), "rho of the air"}, p.air_density);
+  v.number({"air_heat_capacity", "J/(kg K)", between(1e-3, 1e9), "c_p of the air"}, p.air_heat_capacity);
+  v.number({"ambient_temperature", "K", between(1, 5000), "T_amb, far from any fire"}, p.ambient_temperature);
   describe_forces(v, p);
   describe_fading(v, p);
   v.flag({"no_slip", "", any_value(), "closed sides hold the air beside them (needs viscosity to be seen)"},

@@ -145,11 +145,10 @@ class Run {
       fmt::print(
           "{} is complete: it has {} frames and {} were asked for (--frames for more, --restart to begin anew)\n",
           folder_.root.string(), world_->frame(), scene_.frames);
-    // A run killed between its last checkpoint and its record left the record behind.
-    if (!said_done()) {
-      write_file(folder_.metrics(), metrics_.file());
-      write_record("done");
-    }
+    // A run killed between its last checkpoint and its record left the record behind; metrics may have been lost
+    // since.
+    write_file(folder_.metrics(), metrics_.file());
+    if (!said_done()) write_record("done");
     return ExitCode::done;
   }
 
@@ -185,6 +184,11 @@ class Run {
       warn(fmt::format(
           "{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)",
           record_.unconverged_solves));
+    if (lengthened_steps_ > 0)
+      warn(
+          fmt::format("{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten "
+                      "the frame",
+                      lengthened_steps_));
     write_record(done ? "done" : "checkpointed");
     progress.summary(seconds_since(start_));
     if (!options_.quiet)
@@ -210,6 +214,7 @@ class Run {
     record_.frames = frame;
     record_.state_hash = hex(hash);
     record_.unconverged_solves += report.unconverged_solves;
+    lengthened_steps_ += report.lengthened_steps;
   }
 
   void add_checkpoint(FrameOutput& output) {
@@ -279,6 +284,7 @@ class Run {
   RunRecord record_;
   Clock::time_point start_ = Clock::now();
   int last_checkpoint_ = 0;
+  long long lengthened_steps_ = 0;
   BackgroundWriter writer_{1};
 };
 

@@ -51,10 +51,17 @@ bool is_frame_file(const fs::path& path, const std::string& extension) {
   return !number.empty() && std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+void remove_file(const fs::path& path) {
+  std::error_code error;
+  fs::remove(path, error);
+  require(!error, "", fmt::format("cannot remove {} ({})", path.string(), error.message()),
+          ExitCode::output_cannot_be_made);
+}
+
 void remove_frames(const fs::path& folder, const std::string& extension) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (is_frame_file(it->path(), extension)) fs::remove(it->path());
+    if (is_frame_file(it->path(), extension)) remove_file(it->path());
 }
 
 }  // namespace
@@ -108,8 +115,8 @@ void RunFolder::tidy() const {
 
 void RunFolder::clear() const {
   // Checkpoints first: a run killed in between must not go on from one of them.
-  for (const int frame : checkpoint_frames(checkpoints())) fs::remove(checkpoints() / checkpoint_name(frame));
-  for (const fs::path& file : {record(), metrics(), scene()}) fs::remove(file);
+  for (const int frame : checkpoint_frames(checkpoints())) remove_file(checkpoints() / checkpoint_name(frame));
+  for (const fs::path& file : {record(), metrics(), scene()}) remove_file(file);
   remove_frames(volumes(), ".vdb");
   remove_frames(meshes(), ".ply");
   remove_frames(previews(), ".png");

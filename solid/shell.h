@@ -26,7 +26,7 @@ struct ShellParams {
   double bending = 0.0;            ///< flexural rigidity B per width [N m]; 0: Y t^3/(12 (1 - nu^2))
   double damping = 1e-3;           ///< Rayleigh b [s]
   double air_drag = 0.1;           ///< rate at which velocity relative to the wind decays [1/s]
-  int substeps = 20;               ///< per 1/60 s
+  int substeps = 60;               ///< per 1/60 s
   bool weaken_with_delta = false;  ///< multiply membrane stiffness by 1/(1+delta) (methods 2.9)
 };
 void describe(ParameterVisitor& visitor, ShellParams& params);

@@ -8,9 +8,9 @@ namespace wick::solid {
 
 void describe(ParameterVisitor& v, ShellParams& p) {
   constexpr auto may = OnResume::may_change;
-  v.number({"thickness", "m", above(0.0), "t; too large: the sheet is heavy and stays flat like a board"},
+  v.number({"thickness", "m", between(1e-9, 10.0), "t; too large: the sheet is heavy and stays flat like a board"},
            p.thickness);
-  v.number({"density", "kg/m3", above(0.0), "mass per volume; areal mass is density * thickness"}, p.density);
+  v.number({"density", "kg/m3", between(1e-6, 1e7), "mass per volume; areal mass is density * thickness"}, p.density);
   v.number({"young_warp", "Pa", above(0.0), "Y along material x; too small: the sheet stretches like rubber", may},
            p.young_warp);
   v.number({"young_weft", "Pa", above(0.0), "Y along material y; too small: the sheet stretches like rubber", may},
