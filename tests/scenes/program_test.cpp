@@ -99,9 +99,15 @@ TEST_F(Command, RefusesABadCommandLine) {
                                              {"run"},
                                              {"run", "small.json", "--frames", "0"},
                                              {"run", "small.json", "--unknown"},
-                                             {"run", "small.json", "--threads", "x"}})
-    EXPECT_EQ(run(arguments).code, 64);
+                                             {"run", "small.json", "--threads", "x"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 64);
+    EXPECT_TRUE(outcome.err.starts_with("wick: ")) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_NE(run({"chekc", "small.json"}).err.find("did you mean check?"), std::string::npos);
   EXPECT_EQ(run({"--help"}).code, 0);
+  EXPECT_NE(run({"--help"}).out.find("Usage: wick "), std::string::npos);
   EXPECT_EQ(run({"--version"}).code, 0);
 }
 
@@ -109,6 +115,7 @@ TEST_F(Command, AnswersWithoutRunning) {
   EXPECT_EQ(run({"check", "small.json"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
   EXPECT_NE(run({"list"}).out.find("burning_sheet"), std::string::npos);
+  EXPECT_NE(run({"list"}).out.find("1 shell,"), std::string::npos);
   EXPECT_NE(run({"explain", "/smoke"}).out.find("/smoke/resolution"), std::string::npos);
   EXPECT_TRUE(nlohmann::json::accept(run({"schema"}).out));
   EXPECT_EQ(run({"experiment", "list"}).code, 0);
@@ -128,6 +135,15 @@ TEST_F(Command, RefusesAFolderThatCannotBeMade) {
   EXPECT_EQ(run({"run", "small.json", "--out", "file"}).code, 73);
   EXPECT_EQ(run({"run", "small.json", "--out", "file/below"}).code, 73);
   EXPECT_EQ(run({"run", "small.json", "--out", "/proc/none"}).code, 73);
+  for (const char* name :
+       {"run.json", "scene.json", "metrics.h5", "manifest.json", "run.lock", "volumes/smoke.0001.vdb"}) {
+    const fs::path out = fs::path("taken") / fs::path(name).stem();
+    fs::create_directories(folder_ / (out / name).string());
+    const Outcome outcome = run({"run", "small.json", "--out", out.string(), "--quiet"});
+    EXPECT_EQ(outcome.code, 73) << name;
+    EXPECT_NE(outcome.err.find(name), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
 }
 
 TEST_F(Command, DamagedSceneFilesNeverCrashIt) {
