@@ -89,6 +89,7 @@ TEST_F(Command, LeavesNothingOfAnInvalidScene) {
           "none.ply");
   refused({"run", "small.json", "--set", "/smoke/resolution=[4000,4000,4000]"}, 77,
           "/smoke/resolution: needs about");
+  refused({"run", "small.json", "--set", "/shells/1={\"name\": \"paper\"}"}, 65, "small.json: /shells/1/name: ");
   refused({"explain", "/nothing/like/it"}, 64, "no parameter");
 }
 
@@ -119,6 +120,20 @@ TEST_F(Command, AnswersWithoutRunning) {
   EXPECT_NE(run({"explain", "/smoke"}).out.find("/smoke/resolution"), std::string::npos);
   EXPECT_TRUE(nlohmann::json::accept(run({"schema"}).out));
   EXPECT_EQ(run({"experiment", "list"}).code, 0);
+}
+
+/// An installed program finds its scenes beside itself, wherever it is carried.
+TEST_F(Command, FindsTheScenesInstalledBesideIt) {
+  fs::create_directories(folder_ / "place/bin");
+  fs::create_directories(folder_ / "place/share/wick/scenes");
+  fs::copy_file(WICK_PROGRAM, folder_ / "place/bin/wick");
+  spit(folder_ / "place/share/wick/scenes/only_here.json", R"({"frames": 1, "smoke": {"resolution": [8, 8, 8]}})");
+  Program list(folder_, {"list"}, {}, folder_ / "place/bin/wick");
+  EXPECT_EQ(list.wait(), 0);
+  EXPECT_EQ(list.out(), "only_here                   1 frame, smoke 8x8x8\n");
+  Program bundled(folder_, {"run", "only_here", "--quiet"}, {}, folder_ / "place/bin/wick");
+  EXPECT_EQ(bundled.wait(), 0) << bundled.err();
+  EXPECT_TRUE(fs::exists(folder_ / "out/only_here/run.json"));
 }
 
 TEST_F(Command, ChangesParametersFromTheCommandLine) {
