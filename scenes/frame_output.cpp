@@ -1,5 +1,7 @@
 #include "scenes/frame_output.h"
 
+#include <chrono>
+
 #include "scenes/checkpoint.h"
 #include "scenes/mesh_output.h"
 #include "scenes/preview.h"
@@ -40,8 +42,8 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
   return output;
 }
 
-void write_outputs(const FrameOutput& output, const OutputParams& params, const RunFolder& folder,
-                   Manifest& manifest) {
+double write_outputs(const FrameOutput& output, const OutputParams& params, const RunFolder& folder,
+                     Manifest& manifest) {
   const auto write = [&](const std::filesystem::path& path, const Bytes& bytes) {
     write_file(path, bytes);
     manifest.add(folder.root, path, output.frame, bytes);
@@ -52,9 +54,11 @@ void write_outputs(const FrameOutput& output, const OutputParams& params, const 
     write_file(folder.metrics(), output.metrics);
     write_file(folder.manifest(), manifest.text());
   }
-  if (output.checkpoint.empty()) return;
+  const auto start = std::chrono::steady_clock::now();
+  if (output.checkpoint.empty()) return 0.0;
   write_file(folder.checkpoints() / checkpoint_name(output.frame), output.checkpoint);
   prune_checkpoints(folder.checkpoints(), output.frame, params.checkpoint.keep);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace wick::scenes

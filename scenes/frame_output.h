@@ -20,6 +20,7 @@ struct FrameOutput {
   std::vector<std::pair<std::filesystem::path, Bytes>> files;  ///< complete: meshes, preview
   Bytes metrics;                                               ///< empty: between frames
   Bytes checkpoint;                                            ///< empty: none in this frame
+  double checkpoint_seconds = 0.0;                             ///< that making it took
 };
 
 /// Copies of the fields and the finished meshes of the world's present frame.
@@ -27,8 +28,8 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
                            const std::string& scene_sha256);
 
 /// Writes them and notes them in the manifest: volume, files, metrics, manifest, then the checkpoint, which thus
-/// vouches for all before it.
-void write_outputs(const FrameOutput& output, const OutputParams& params, const RunFolder& folder,
-                   Manifest& manifest);
+/// vouches for all before it. Returns the seconds that writing the checkpoint took.
+double write_outputs(const FrameOutput& output, const OutputParams& params, const RunFolder& folder,
+                     Manifest& manifest);
 
 }  // namespace wick::scenes

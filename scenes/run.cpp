@@ -12,6 +12,7 @@
 #include "coupling/world.h"
 #include "scenes/background_writer.h"
 #include "scenes/checkpoint.h"
+#include "scenes/disk_estimate.h"
 #include "scenes/effective_scene.h"
 #include "scenes/frame_output.h"
 #include "scenes/machine.h"
@@ -46,7 +47,7 @@ class Run {
   Run(const RunOptions& options, Scene scene)
       : options_(options),
         scene_(std::move(scene)),
-        folder_{options.out.empty() ? fs::path("out") / scene_.name : fs::path(options.out)},
+        folder_{output_folder(options, scene_)},
         identity_(scene_identity(scene_)),
         world_(std::make_unique<coupling::World>(scene_.world)) {
     record_.threads = thread_count();
@@ -55,6 +56,7 @@ class Run {
   }
 
   ExitCode execute() {
+    require_disk(estimate_disk(*world_, scene_), folder_.root);
     make_folder(folder_.root);
     const FolderLock lock(folder_.root);
     folder_.require_free_names();
@@ -249,8 +251,8 @@ class Run {
     write_record(done ? "done" : "checkpointed");
     progress.summary(seconds_since(start_));
     if (!options_.quiet)
-      fmt::print("{}: {} frames in {}, state {}{}\n", folder_.root.string(), world_->frame(),
-                 seconds_text(seconds_since(start_)), record_.state_hash,
+      fmt::print("{}: {} frames in {}, state {}, last checkpoint in {:.2f} s{}\n", folder_.root.string(),
+                 world_->frame(), seconds_text(seconds_since(start_)), record_.state_hash, record_.checkpoint_s,
                  done ? "" : "; stopped on request, the same command goes on");
     return done ? ExitCode::done : ExitCode::checkpointed;
   }
@@ -273,9 +275,11 @@ class Run {
   }
 
   void add_checkpoint(FrameOutput& output) {
+    const auto start = Clock::now();
     const CheckpointHeader header{world_->frame(), world_->time(), version, identity_, world_->state_hash()};
     output.checkpoint = make_checkpoint(
         header, [&](StateVisitor& v) { metrics_.visit(v); }, [&](StateVisitor& v) { world_->visit(v); });
+    output.checkpoint_seconds = seconds_since(start);
     last_checkpoint_ = world_->time();
   }
 
@@ -291,7 +295,8 @@ class Run {
 
   void submit(FrameOutput output) {
     writer_.submit([this, output = std::make_shared<FrameOutput>(std::move(output))] {
-      write_outputs(*output, scene_.output, folder_, manifest_);
+      const double seconds = write_outputs(*output, scene_.output, folder_, manifest_);
+      if (!output->checkpoint.empty()) record_.checkpoint_s = output->checkpoint_seconds + seconds;
     });
   }
 
@@ -353,6 +358,10 @@ class Run {
 };
 
 }  // namespace
+
+fs::path output_folder(const RunOptions& options, const Scene& scene) {
+  return options.out.empty() ? fs::path("out") / scene.name : fs::path(options.out);
+}
 
 Scene load_scene(const RunOptions& options) {
   Scene scene = read_scene(options.scene, options.set);

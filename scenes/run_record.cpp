@@ -21,6 +21,7 @@ std::string run_record_text(const RunRecord& record) {
   json["peak_rss_bytes"] = peak_memory();
   json["state_hash"] = record.state_hash;
   json["scene_sha256"] = record.scene_sha256;
+  json["checkpoint_s"] = record.checkpoint_s;
   json["unconverged_solves"] = record.unconverged_solves;
   json["damaged_outputs"] = record.damaged_outputs;
   json["warnings"] = record.warnings;

@@ -2,8 +2,13 @@
 #include "tests/scenes/program.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <nlohmann/json.hpp>
+
+#include "scenes/disk_estimate.h"
+#include "scenes/scene_file.h"
 
 namespace wick::test {
 
@@ -178,6 +183,38 @@ TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
     ::setrlimit(RLIMIT_AS, &limit);
   });
   EXPECT_EQ(outcome.code, 77) << outcome.err;
+}
+
+/// On a disk of 1 MB a frame of 64^3 cells cannot be written, which is said before anything is.
+TEST_F(Command, RefusesMoreDiskThanThereIs) {
+  fs::create_directories(folder_ / "disk");
+  constexpr int skipped = 97;
+  const Outcome outcome =
+      run({"run", "small.json", "--out", "disk/a", "--set", "/smoke/resolution=[64,64,64]"}, [] {
+        const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
+                             ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                             ::mount("tmpfs", "disk", "tmpfs", 0, "size=1m") == 0;
+        if (!mounted) ::_exit(skipped);
+      });
+  if (outcome.code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
+  EXPECT_EQ(outcome.code, 77) << outcome.err;
+  EXPECT_NE(outcome.err.find("of disk for one frame"), std::string::npos) << outcome.err;
+}
+
+/// The estimate that refuses is an upper bound of what is written, and no wild one: the checkpoint within 30 %, as
+/// its 200 kB hold the metrics and the tables of HDF5 too.
+TEST_F(Command, EstimatesTheDiskItNeeds) {
+  const scenes::Scene scene = scenes::read_scene(folder_ / "small.json");
+  coupling::World world(scene.world);
+  const scenes::DiskEstimate estimate = scenes::estimate_disk(world, scene);
+  ASSERT_EQ(run({"run", "small.json", "--quiet"}).code, 0);
+  const auto size = [&](const std::string& file) { return fs::file_size(folder_ / "out/small" / file); };
+  for (const char* frame : {"0001", "0006"})
+    EXPECT_LE(
+        size(std::string("volumes/smoke.") + frame + ".vdb") + size(std::string("meshes/paper.") + frame + ".ply"),
+        estimate.frame);
+  const auto checkpoint = static_cast<double>(size("checkpoints/0006.h5"));
+  EXPECT_NEAR(static_cast<double>(estimate.checkpoint) / checkpoint, 1.0, 0.3);
 }
 
 }  // namespace
