@@ -177,6 +177,20 @@ TEST_F(Command, DamagedSceneFilesNeverCrashIt) {
   }
 }
 
+/// The estimate that refuses a scene: at least 0.9 and at most 1.5 of what the run then takes.
+TEST_F(Command, EstimatesTheMemoryItNeeds) {
+  const std::vector<std::string> box{"--set", "/smoke/resolution=[96,96,96]"};
+  ASSERT_EQ(run({"run", "small.json", "--frames", "4", "--quiet", box[0], box[1]}).code, 0);
+  const std::string text = run({"check", "small.json", box[0], box[1]}).out;
+  const auto at = text.find("about ");
+  ASSERT_NE(at, std::string::npos) << text;
+  const double megabytes = std::stod(text.substr(at + 6));
+  ASSERT_NE(text.find(" MB of", at), std::string::npos) << text;
+  const double ratio = 1e6 * megabytes / record()["peak_rss_bytes"].get<double>();
+  EXPECT_GE(ratio, 0.9);
+  EXPECT_LE(ratio, 1.5);
+}
+
 TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
   const Outcome outcome = run({"run", "small.json", "--set", "/smoke/resolution=[200,200,200]"}, [] {
     const rlimit limit{600 << 20, 600 << 20};
