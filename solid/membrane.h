@@ -79,7 +79,7 @@ Strain<T> solve_symmetric(const T& a00, const T& a01, const T& a02, const T& a11
 /// One sweep from λ = 0 leaves some (1+γ) J W Jᵀ/2 + α̃ of strain per λ, so that where J W Jᵀ exceeds α̃ damping
 /// resists no motion that the substep resolves and only softens the sheet. So γ is b/h where α̃ is the larger and
 /// where the strain is so large that the sheet would be crushed undamped, and fades in between:
-///   γ = b/h (tr α̃ + s tr J W Jᵀ)/(tr α̃ + tr J W Jᵀ), s from 0 to 1 while the strain grows to a tenth.
+///   γ = b/h (tr α̃ + s tr J W Jᵀ)/(tr α̃ + tr J W Jᵀ), s from 0 to 1 while the strain grows to a half.
 /// `previous` are the corners at the start of the substep; `softness` is 1/(A h² stiffness scale), `damping` b/h.
 template <class T>
 void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLaw& law, double damping,
@@ -93,8 +93,8 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   // The gradient of the start of the substep makes the projection central about xⁿ, so that nothing is lost in
   // turning (as in SHAKE); but it leaves the transverse stiffness of taut triangles explicit, which the gradient at
   // x damps. A triangle passes from the one to the other while its strain grows to a tenth.
-  const T back =
-      larger<T>(constant<T>(0.0), 1.0 - 100.0 * (c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice));
+  const T square = c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice;
+  const T back = larger<T>(constant<T>(0.0), 1.0 - 100.0 * square);
   const Deformation<T> J = {F.f - back * D.f, F.g - back * D.g};
 
   // J W Jᵀ from the Gram matrix of F and m = Σ w_k B_kᵀ B_k.
@@ -103,7 +103,8 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   const T n01 = v0.w * b00 * b01 + v1.w * b.b10 * b.b11 + v2.w * b.b20 * b.b21;
   const T n11 = v0.w * b01 * b01 + v1.w * b.b11 * b.b11 + v2.w * b.b21 * b.b21;
   const T weight = n00 + n11, compliance = (law.warp + law.weft) * softness;
-  const T gamma = damping * (compliance + (1.0 - back) * weight) / (compliance + weight);
+  const T large = smaller<T>(constant<T>(1.0), 4.0 * square);
+  const T gamma = damping * (compliance + large * weight) / (compliance + weight);
   const T scale = 1.0 + gamma;
   const T m00 = scale * n00, m01 = scale * n01, m11 = scale * n11;
 
