@@ -126,9 +126,9 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   // which keeps momentum.
   const T largest2 = larger<T>(larger<T>(dot(d0, d0), dot(d1, d1)), dot(d2, d2));
   const T det = b.b10 * b.b21 - b.b11 * b.b20;
-  const T allowed2 = larger<T>(constant<T>(1.0), c.g00 + c.g11) / larger<T>(det, -det);
-  if (any_greater(largest2, allowed2)) {
-    const T cut = square_root(smaller<T>(constant<T>(1.0), allowed2 / larger<T>(largest2, allowed2)));
+  const T moved = largest2 * larger<T>(det, -det), allowed = larger<T>(constant<T>(1.0), c.g00 + c.g11);
+  if (any_greater(moved, allowed)) {
+    const T cut = square_root(allowed / larger<T>(moved, allowed));
     d0 = cut * d0;
     d1 = cut * d1;
     d2 = cut * d2;

@@ -74,7 +74,7 @@ struct Extent {
   }
 };
 
-/// Adiabatic flame temperature of paper in air, which neither gas nor sheet can pass [K].
+/// Adiabatic flame temperature of paper in air, which neither sheet nor gas can pass [K].
 constexpr double kFlame = 2300.0;
 
 void expect_physical(const coupling::World& world, double ambient) {
@@ -84,7 +84,6 @@ void expect_physical(const coupling::World& world, double ambient) {
     flame.take(gas->flame);
     density.take(gas->density);
     EXPECT_TRUE(temperature.finite && flame.finite && density.finite);
-    EXPECT_LT(temperature.high, kFlame);
     // Nothing cools; a tenth of a degree is left to the steep edges of the transport.
     EXPECT_GT(temperature.low, ambient - 0.1);
     EXPECT_GE(flame.low, 0.0);
@@ -107,60 +106,78 @@ void expect_physical(const coupling::World& world, double ambient) {
     }
 }
 
-/// Largest relative error of each book so far.
-using Books = std::map<std::string, double>;
-const Books kTolerance = {{"solid", 1e-10}, {"heat", 1e-8}, {"smoke", 1e-6}};
+/// Largest relative error of each book, and the hottest gas [K], of a run.
+struct Record {
+  std::map<std::string, double> error;
+  double hottest_gas = 0.0;
+};
+
+/// Heat of an isolated sheet closes to 1e-8; what the grid carries in single precision, to 1e-6.
+constexpr double kSolid = 1e-10, kIsolatedHeat = 1e-8, kGrid = 1e-6;
 
 /// `models`: what the world builds, and nothing else.
-Books run(const Scene& scene, int frames, const std::vector<std::string>& models) {
+Record run(const Scene& scene, int frames, const std::vector<std::string>& models) {
   SCOPED_TRACE(scene.name);
   coupling::World world(scene.world);
   EXPECT_EQ(world.models(), models);
   const double ambient = scene.world.smoke ? scene.world.smoke->ambient_temperature : 293.15;
-  Books worst;
+  Record record;
   for (int k = 0; k < frames; ++k) {
     const coupling::FrameReport report = world.step(1.0 / scene.fps);
     EXPECT_EQ(report.unconverged_solves, 0);
     EXPECT_EQ(report.lengthened_steps, 0);
     expect_physical(world, ambient);
-    for (const auto& [name, ledger] : world.ledgers()) worst[name] = std::max(worst[name], ledger.relative_error());
+    if (const fluid::SmokeState* gas = world.smoke())
+      for (const float excess : gas->temperature)
+        record.hottest_gas = std::max(record.hottest_gas, ambient + excess);
+    for (const auto& [name, ledger] : world.ledgers())
+      record.error[name] = std::max(record.error[name], ledger.relative_error());
   }
-  return worst;
+  return record;
 }
 
-void expect_closed(const Books& books) {
-  for (const auto& [name, error] : books) EXPECT_LT(error, kTolerance.at(name)) << name;
+void expect_closed(const Record& record, double heat) {
+  const std::map<std::string, double> tolerance = {{"solid", kSolid}, {"heat", heat}, {"smoke", kGrid}};
+  for (const auto& [name, error] : record.error) EXPECT_LT(error, tolerance.at(name)) << name;
 }
 
 const std::vector<std::string> kEverything = {"shell", "diffusion", "smoke", "burning"};
 
 TEST(Bundled, BurningSheetIsPhysical) {
-  expect_closed(run(bundled("burning_sheet"), 14, kEverything));
+  expect_closed(run(bundled("burning_sheet"), 14, kEverything), kGrid);
 }
 
 TEST(Bundled, BurningSheet128IsPhysical) {
   // Half the cells in each direction, for time.
-  expect_closed(run(bundled("burning_sheet_128", {"/smoke/resolution=[64,64,64]"}), 6, kEverything));
+  expect_closed(run(bundled("burning_sheet_128", {"/smoke/resolution=[64,64,64]"}), 6, kEverything), kGrid);
 }
 
 TEST(Bundled, BurningBunnyIsPhysical) {
-  expect_closed(run(bundled("burning_bunny"), 6, kEverything));
+  expect_closed(run(bundled("burning_bunny"), 6, kEverything), kGrid);
 }
 
 TEST(Bundled, HangingClothIsPhysicalAndOnlyAShell) {
-  expect_closed(run(bundled("hanging_cloth"), 12, {"shell"}));
+  expect_closed(run(bundled("hanging_cloth"), 12, {"shell"}), kIsolatedHeat);
 }
 
 TEST(Bundled, HeatedSheetIsPhysicalAndOnlyDiffuses) {
-  expect_closed(run(bundled("heated_sheet"), 12, {"diffusion"}));
+  expect_closed(run(bundled("heated_sheet"), 12, {"diffusion"}), kIsolatedHeat);
 }
 
 TEST(Bundled, SmokePlumeIsPhysicalAndOnlySmoke) {
-  EXPECT_LT(run(bundled("smoke_plume"), 12, {"smoke"})["smoke"], kTolerance.at("smoke"));
+  const Record record = run(bundled("smoke_plume"), 12, {"smoke"});
+  expect_closed(record, kGrid);
+  EXPECT_LT(record.hottest_gas, kFlame);
 }
 
-TEST(LongBundled, SmokePlumeClosesItsBooks) {
-  expect_closed(run(bundled("smoke_plume"), 96, {"smoke"}));
+TEST(LongBundled, HeatInTheGasClosesLikeThatOfAnIsolatedSheet) {
+  expect_closed(run(bundled("smoke_plume"), 96, {"smoke"}), kIsolatedHeat);
+  expect_closed(run(bundled("burning_sheet"), 24, kEverything), kIsolatedHeat);
+}
+
+TEST(LongBundled, GasIsNoHotterThanAFlame) {
+  EXPECT_LT(run(bundled("burning_sheet"), 24, kEverything).hottest_gas, kFlame);
+  EXPECT_LT(run(bundled("burning_bunny"), 24, kEverything).hottest_gas, kFlame);
 }
 
 /// A warm plume rises: the mean height of its smoke grows from the source upwards.
