@@ -71,6 +71,10 @@ void describe(ParameterVisitor& v, BurningParams& p) {
   v.number({"gas_heat", "1", between(0, 1e3), "heat given to the gas per burnt mass, same unit; lifts the smoke",
             OnResume::may_change},
            p.gas_heat);
+  v.number(
+      {"flame_temperature", "K", between(300, 1e5),
+       "adiabatic flame temperature of the fuel in air: burning heats gas no further, the rest passes unburnt"},
+      p.flame_temperature);
   v.number({"smoke_yield", "1", between(0, 1), "y_s: smoke per burnt mass [Kim 2017]; the rest is unseen gas",
             OnResume::may_change},
            p.smoke_yield);

@@ -200,7 +200,8 @@ void World::Impl::react(double dt) {
     ledgers["solid"].book_flow("gas", -(1.0 - burning.smoke_yield) * burnt);
     ledgers["heat"].book_flow("combustion", kept_heat);
     if (!gas) continue;
-    const Deposited deposited = deposit(stencils[s], smoke, heat, flame, *params.smoke, *gas);
+    const Deposited deposited =
+        deposit(stencils[s], smoke, heat, flame, burning.flame_temperature - ambient, *params.smoke, *gas);
     ledgers["smoke"].book_flow("burning", deposited.smoke + deposited.escaped_smoke);
     ledgers["smoke"].book_flow("escaped", -deposited.escaped_smoke);
     ledgers["heat"].book_flow("combustion", deposited.heat + deposited.escaped_heat);
