@@ -204,7 +204,8 @@ class Linker {
       const int q = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
       parent_local = coarse_.records[coarse_.state[parent]].child_local[q];
     }
-    float area = finer.weak ? 2.0F * finer.area / (1.0F + finer.area) : finer.area;
+    // A film that resists less than gas (a > 1) is felt along it, where areas add up as they do for gas.
+    float area = finer.weak && finer.area < 1.0F ? 2.0F * finer.area / (1.0F + finer.area) : finer.area;
     for (int a = 0; a < 3; ++a)
       if (a != finer.side / 2 && fine_.halves[a]) area *= 0.5F;
     for (Graph::Link& link : found_[local])

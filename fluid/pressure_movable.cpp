@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <set>
 
@@ -17,7 +16,11 @@ float dyadic(double w) {
   return static_cast<float>(std::ldexp(std::clamp(std::round(std::ldexp(w, 16)), 1.0, std::ldexp(1.0, 23)), -16));
 }
 
-const double light_weight = getenv("LW") ? atof(getenv("LW")) : 0.5;
+/// Face coefficient from which masses count as light: above it the jumps of faces that hang on one mass tell.
+constexpr double light_weight = 0.05;
+/// Largest coefficient that the multigrid gets to see where light masses are solved for exactly beside it: more would
+/// only make it trust W where T does not follow it, less would close faces that are all but open.
+constexpr double most_weight = 4.0;
 
 /// Finds the cells on both sides of faces, and leaves out the faces that no pressure can push.
 class RowFinder {
@@ -120,7 +123,8 @@ void MovableTerm::find_weak_faces() {
     light_ = light_ || weight.back() > light_weight;
   }
   for (std::size_t r = 0; r < rows_.size(); ++r)
-    weak_.push_back({rows_[r].axis, rows_[r].face, dyadic(light_ ? weight[r] / (1.0 + weight[r]) : weight[r])});
+    weak_.push_back({rows_[r].axis, rows_[r].face,
+                     dyadic(light_ ? weight[r] / (1.0 + weight[r] / most_weight) : weight[r])});
 }
 
 void MovableTerm::spread_jumps(const std::vector<double>& p) const {

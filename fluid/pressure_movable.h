@@ -6,8 +6,9 @@
 /// q_r = p_low - p_high pushes face r along its axis, Nᵀ spreads it to the masses, M⁻¹ makes velocities of them, N
 /// brings those back to the faces, D to the cells. The preconditioner knows T as faces of coefficient
 ///   w_r = ρ h³ sum_k weight_rk / m_k  sum_s weight_sk      (row sums of N M⁻¹ Nᵀ: T is at most that)
-/// that is, a sheet of mass m an area is a layer of gas of density m/h [after the added-mass argument of
-/// Chentanez 2006, section 4]. Solved is E = T - W on top of the matrix with faces W.
+/// that is, a sheet of mass m an area is a layer of gas of density m/h. Solved is E = T - W on top of the matrix
+/// with faces W. Where masses are light against the gas of a cell, T of jumps that change from face to face is far
+/// below W: W is then bounded, and pressure_layer.h makes up for the difference.
 #include "fluid/multigrid_graph.h"
 #include "fluid/multigrid_layout.h"
 #include "fluid/walls.h"
