@@ -152,29 +152,30 @@ void World::Impl::relax_push() {
     for (std::size_t i = 0; i < push[s].size(); ++i) {
       const double mass = sheet.inputs.mass[i];
       const double share = params.coupling.relaxation > 0.0 ? params.coupling.relaxation
-                           : mass > 0.0 ? mass / (mass + gas_mass * sheet.mesh.vertex_area[i])
-                                        : 0.0;
+                           : mass > 0.0                     ? mass / (mass + gas_mass * sheet.mesh.vertex_area[i])
+                                                            : 0.0;
       sheet.gas_force[i] += share * (push[s][i] - sheet.gas_force[i]);
     }
     push[s] = sheet.gas_force;
   }
 }
 
-/// Stops a run that only goes on by following its own error: a partitioned one that needs more steps than a frame may
-/// have, or any in which something is faster than no scene can make it.
+/// Stops a run that only goes on by following its own error: a partitioned one that needs more steps than a frame
+/// may have, or any in which something is faster than no scene can make it.
 void World::Impl::require_no_runaway(double wanted_steps, double first_wanted) const {
   constexpr double fastest_sense = 1e5;  // [m/s]; ten times what a scene may ask of anything that moves
   const auto fail = [&](const std::string& pointer, const std::string& what, const std::string& advice) {
     throw Refusal(ExitCode::numerical_failure, pointer,
-                  what + " in frame " + std::to_string(frame + 1) + " at " + std::to_string(time) + " s (a runaway) " +
-                      advice);
+                  what + " in frame " + std::to_string(frame + 1) + " at " + std::to_string(time) +
+                      " s (a runaway) " + advice);
   };
   // Within a frame the flow of a scene changes its speed by a few times, that of a runaway a few times each step.
   const double bearable = std::min<double>(params.coupling.max_substeps, 8.0 * std::max(first_wanted, 2.0));
   if (params.coupling.scheme == CouplingScheme::partitioned && wanted_steps > bearable)
     fail("/coupling/scheme",
          "the partitioned scheme wants " + std::to_string(std::llround(std::min(wanted_steps, 1e15))) +
-             " steps in a frame that began with " + std::to_string(std::llround(first_wanted)) + " (or more than /coupling/max_substeps)",
+             " steps in a frame that began with " + std::to_string(std::llround(first_wanted)) +
+             " (or more than /coupling/max_substeps)",
          "use \"simultaneous\", a smaller /coupling/relaxation, or more steps a frame");
   double speed = gas ? fluid::fastest(gas->velocity) : 0.0;
   for (const Sheet& sheet : sheets)

@@ -97,7 +97,8 @@ void describe(ParameterVisitor& v, CouplingParams& p) {
        "simultaneous: pressure and sheet momentum in one solve [Chentanez 2006]; partitioned: one after the other"},
       p.scheme, kSchemes);
   v.number({"relaxation", "1", between(0, 1),
-            "partitioned: share of the newest gas force in the force on a sheet; 0: m/(m + rho l) from the sheet's mass an "
+            "partitioned: share of the newest gas force in the force on a sheet; 0: m/(m + rho l) from the sheet's "
+            "mass an "
             "area and half size; too large: the run stops as a runaway, too small: the gas pushes late",
             OnResume::may_change},
            p.relaxation);
@@ -107,9 +108,11 @@ void describe(ParameterVisitor& v, CouplingParams& p) {
   v.number({"sheet_cells", "1", between(0.01, 1e6), "cells of the gas grid that a sheet may cross in one step",
             OnResume::may_change},
            p.sheet_cells);
-  v.integer({"max_substeps", "1", between(1, 1000000),
-             "a frame; steps that would need more are lengthened and counted, or end a partitioned run as a runaway", OnResume::may_change},
-            p.max_substeps);
+  v.integer(
+      {"max_substeps", "1", between(1, 1000000),
+       "a frame; steps that would need more are lengthened and counted, or end a partitioned run as a runaway",
+       OnResume::may_change},
+      p.max_substeps);
 }
 
 void describe(ParameterVisitor& v, WorldParams& p) {

@@ -342,7 +342,16 @@ SolveReport Multigrid::solve(std::vector<double>& f, std::vector<double>& p, con
   }
   report.residual_before = std::sqrt(residual / norm);
   layer_.reset();
-  if (extra != nullptr && extra->light()) layer_.emplace(levels_[0], *extra);
+  if (extra != nullptr && extra->light()) {
+    // Begin with no residual in the layer: only then is the preconditioner of pressure_layer.h symmetric.
+    layer_.emplace(levels_[0], *extra);
+    for (auto* field : {&levels_[0].p, &direction_})
+      for (auto& values : *field) std::fill(values.begin(), values.end(), 0.0F);
+    layer_->correct(r_, levels_[0].p);
+    layer_->turn(0.0);
+    layer_->advance(1.0, direction_, x_, r_);
+    residual = update_residual(f, scale, extra);
+  }
   report.iterations = iterate(f, scale, extra, tolerance * tolerance * norm, max_iterations, residual);
   report.residual_after = std::sqrt(residual / norm);
   report.converged = report.residual_after <= tolerance * (1.0 + 1e-12);

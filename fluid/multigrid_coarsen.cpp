@@ -90,7 +90,8 @@ class BoxSplitter {
       if (member.node >= 0) {
         const Graph::Node& node = fine_.nodes[member.node];
         for (std::uint32_t l = node.link_begin; l < node.link_end; ++l)
-          if (!fine_.links[l].weak || fine_.links[l].area >= strong) join(m, box, fine_.links[l].box, fine_.links[l].local);
+          if (!fine_.links[l].weak || fine_.links[l].area >= strong)
+            join(m, box, fine_.links[l].box, fine_.links[l].local);
         continue;
       }
       const Int3 at = fine_.place(member.box);
@@ -179,7 +180,8 @@ class Linker {
       const Int3 at = fine_.place(child);
       for (int side = 0; side < 6; ++side)
         if (const std::int32_t other = fine_.beside(at, side); other >= 0)
-          add(record, record.child_local[q], other, {.box = other, .local = 0, .area = 1.0F, .weight = 1.0F, .side = std::uint8_t(side), .weak = false});
+          add(record, record.child_local[q], other,
+              {.box = other, .local = 0, .area = 1.0F, .weight = 1.0F, .side = std::uint8_t(side), .weak = false});
       return;
     }
     const Graph::Record& finer = fine_.records[fine_.state[child]];

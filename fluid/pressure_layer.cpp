@@ -37,8 +37,8 @@ Stencil read_stencil(const Level& level, const MovableTerm& term, const MovableT
       other[a] = other[a] < 0 ? layout.size(a) - 1 : 0;
     }
     Stencil::Arm& arm = stencil.arms[side];
-    arm.weight = level.weight[a][Layout::colour(owner[0], owner[1], owner[2])]
-                             [layout.place(owner[0], owner[1], owner[2])];
+    arm.weight =
+        level.weight[a][Layout::colour(owner[0], owner[1], owner[2])][layout.place(owner[0], owner[1], owner[2])];
     arm.place = static_cast<std::uint32_t>(layout.place(other[0], other[1], other[2]));
     arm.colour = static_cast<std::uint8_t>(Layout::colour(other[0], other[1], other[2]));
     arm.slot = term.slot(other[0] + std::int64_t(layout.nx) * (other[1] + std::int64_t(layout.ny) * other[2]));
@@ -49,8 +49,8 @@ Stencil read_stencil(const Level& level, const MovableTerm& term, const MovableT
 /// B between the cells of the layer, lower half.
 void add_cells(const std::vector<Stencil>& stencils, std::vector<Triplet>& entries) {
   for (std::int32_t c = 0; c < static_cast<std::int32_t>(stencils.size()); ++c) {
-    // A part of the fluid that lies in the layer as a whole is free by a constant: the shift keeps its factor finite
-    // and is far below what a preconditioner feels.
+    // A part of the fluid that lies in the layer as a whole is free by a constant: the shift keeps its factor
+    // finite and is far below what a preconditioner feels.
     entries.emplace_back(c, c, stencils[c].diagonal * (1.0 + 1e-9));
     for (const Stencil::Arm& arm : stencils[c].arms)
       if (arm.slot >= 0 && arm.slot < c) entries.emplace_back(c, arm.slot, -arm.weight);
@@ -140,7 +140,8 @@ const std::vector<double>& WallLayer::direction() const {
   return impl_->direction;
 }
 
-void WallLayer::advance(double alpha, const Coloured<float>& rounded, Coloured<double>& x, Coloured<double>& r) const {
+void WallLayer::advance(double alpha, const Coloured<float>& rounded, Coloured<double>& x,
+                        Coloured<double>& r) const {
   const auto& cells = impl_->term.cells();
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const auto [number, place, colour] = cells[c];

@@ -1,19 +1,19 @@
 #pragma once
 /// Exact solve on the layer of cells beside light movable walls, as a second half of the preconditioner.
 ///
-/// Let A = B + E be the pressure matrix (see pressure_movable.h), V the multigrid cycle for B and Z the columns of the
-/// identity that belong to the layer. The preconditioner is the adapted deflation A-DEF2 of [Tang 2009],
+/// Let A = B + E be the pressure matrix (see pressure_movable.h), V the multigrid cycle for B and Z the columns of
+/// the identity that belong to the layer. The preconditioner is the adapted deflation A-DEF2 of [Tang 2009],
 ///
 ///   z = V r,   z += Z (Zᵀ A Z)⁻¹ Zᵀ (r - A z)
 ///
-/// so that what V does not know, masses that tie the jumps of many faces together, is solved exactly however light they
-/// are. Zᵀ A Z is never formed: with the velocities of the masses as unknowns of their own,
+/// so that what V does not know, masses that tie the jumps of many faces together, is solved exactly however light
+/// they are. Zᵀ A Z is never formed: with the velocities of the masses as unknowns of their own,
 ///
 ///   [ L    G          ]            Zᵀ A Z = L + G (ρ h³ M⁻¹) Gᵀ,  G = D N
 ///   [ Gᵀ  -M/(ρ h³) ]
 ///
-/// is sparse however coarse the mesh is against the grid, and quasi-definite, so that it has a factorisation L D Lᵀ in
-/// any order [Vanderbei 1995].
+/// is sparse however coarse the mesh is against the grid, and quasi-definite, so that it has a factorisation L D Lᵀ
+/// in any order [Vanderbei 1995].
 ///
 /// The layer keeps the directions of conjugate gradients in double at its cells: light masses make of the rounding
 /// of a float, 6e-8 of the pressure, a flow ρ h³/m times as large, and the residual would not fall below it.

@@ -18,15 +18,14 @@ float dyadic(double w) {
 
 /// Face coefficient from which masses count as light: above it the jumps of faces that hang on one mass tell.
 constexpr double light_weight = 0.05;
-/// Largest coefficient that the multigrid gets to see where light masses are solved for exactly beside it: more would
-/// only make it trust W where T does not follow it, less would close faces that are all but open.
+/// Largest coefficient that the multigrid gets to see where light masses are solved for exactly beside it: more
+/// would only make it trust W where T does not follow it, less would close faces that are all but open.
 constexpr double most_weight = 4.0;
 
 /// Finds the cells on both sides of faces, and leaves out the faces that no pressure can push.
 class RowFinder {
  public:
-  RowFinder(const Grid& grid, const Sides& sides, const Walls& walls)
-      : grid_(grid), sides_(sides), walls_(walls) {}
+  RowFinder(const Grid& grid, const Sides& sides, const Walls& walls) : grid_(grid), sides_(sides), walls_(walls) {}
 
   [[nodiscard]] std::optional<MovableTerm::Row> find(const MovableWalls& movable, std::size_t r) const {
     const int a = movable.axis[r], n = grid_.size(a);
@@ -123,8 +122,8 @@ void MovableTerm::find_weak_faces() {
     light_ = light_ || weight.back() > light_weight;
   }
   for (std::size_t r = 0; r < rows_.size(); ++r)
-    weak_.push_back({rows_[r].axis, rows_[r].face,
-                     dyadic(light_ ? weight[r] / (1.0 + weight[r] / most_weight) : weight[r])});
+    weak_.push_back(
+        {rows_[r].axis, rows_[r].face, dyadic(light_ ? weight[r] / (1.0 + weight[r] / most_weight) : weight[r])});
 }
 
 void MovableTerm::spread_jumps(const std::vector<double>& p) const {

@@ -26,8 +26,8 @@ class MovableTerm {
   /// One such face and the masses that it hangs on.
   struct Row {
     std::uint8_t axis;
-    std::int64_t face, twin;  ///< twin: second copy of a periodic face, or -1
-    std::int64_t low, high;   ///< cells, -1: outside an open side
+    std::int64_t face, twin;           ///< twin: second copy of a periodic face, or -1
+    std::int64_t low, high;            ///< cells, -1: outside an open side
     std::int32_t low_slot, high_slot;  ///< the same among cells()
     std::array<std::int32_t, 3> dof;
     std::array<double, 3> weight;

@@ -1,5 +1,6 @@
-/// The simultaneous solve from sheets a thousand times lighter than the gas of a layer of cells to sheets a thousand
-/// times heavier: iterations against those of the same sheet held fixed, and what is left of the divergence.
+/// The simultaneous solve from sheets a thousand times lighter than the gas of a layer of cells to sheets a
+/// thousand times heavier: iterations against those of the same sheet held fixed, and what is left of the
+/// divergence.
 #include <gtest/gtest.h>
 
 #include "tests/coupling/hung_sheets.h"

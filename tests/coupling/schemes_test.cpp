@@ -1,4 +1,5 @@
-/// The ways in which gas and sheets can be stepped together: simultaneous against partitioned, window against full box.
+/// The ways in which gas and sheets can be stepped together: simultaneous against partitioned, window against full
+/// box.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,7 +64,8 @@ TEST(PartitionedScheme, FollowsTheSimultaneousOne) {
   for (int n = 0; n < 24; ++n) together.step(1.0 / 24), steps += partitioned.step(1.0 / 24).substeps;
   EXPECT_LT(steps, 24 * 16) << "no runaway";
   const Difference d = compare(together, partitioned, start);
-  // Its force lags by some steps, so that it is a likeness, no equal: within a third of the way that the sheet went.
+  // Its force lags by some steps, so that it is a likeness, no equal: within a third of the way that the sheet
+  // went.
   EXPECT_LT(d.apart, 0.33 * d.moved);
 }
 
