@@ -43,6 +43,7 @@ struct BurningParams {
   double gas_heat = 2.0;    ///< heat given to the gas per burnt mass, same unit
   double flame_temperature = 2300.0;  ///< adiabatic, of the fuel in air: burning heats gas no further [K]
   double smoke_yield = 0.15;          ///< y_s: smoke per burnt mass; the rest is unseen gas
+  double flame_rate = 0.5;            ///< loss of mass that shows as a full flame, as a fraction a second [1/s]
   double shrink = 0.8;                ///< s_min: rest length of ash relative to virgin
   double weaken = 0.15;               ///< e_min: stiffness of ash relative to virgin
   double curl = 1.0;                  ///< rest curvature of a fully burnt place is curl / curl_radius
