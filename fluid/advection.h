@@ -67,6 +67,7 @@ class Transport {
   double scale_ = 0.0;  ///< cells a step per m/s
   std::array<Padded, 3> flow_;
   WallMap map_;  ///< of the walls, if there are any
+  bool short_paths_ = false;
   std::vector<Padded> source_, first_, low_, high_;
   Courant courant_;
 };

@@ -197,9 +197,9 @@ void WallMap::set(const Walls& walls, int reach) {
     for (auto* marks : {&clear_, &other_}) marks->assign(grid_.cells() + 2 * slack, 0);
     for (auto* rows : {&near_row_, &other_row_}) rows->assign(std::size_t(grid_.ny) * grid_.nz, 0);
   }
-  const auto far = static_cast<std::uint8_t>(reach + 1);
+  far_ = static_cast<std::uint8_t>(reach + 1);
   parallel_for(std::size_t(grid_.ny) * grid_.nz, row_grain,
-               [&](std::size_t row) { close_row(walls, int(row % grid_.ny), int(row / grid_.ny), far); });
+               [&](std::size_t row) { close_row(walls, int(row % grid_.ny), int(row / grid_.ny), far_); });
   close_ghost_doors(walls);
   for (int a = 0; a < 3; ++a) spread(a, reach);
 }
