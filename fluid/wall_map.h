@@ -1,6 +1,8 @@
 #pragma once
 /// Which faces of each cell one may pass, a byte a cell, so that whatever moves near walls asks one table.
+#include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "fluid/walls.h"
@@ -76,5 +78,33 @@ class WallMap {
   std::vector<std::uint8_t> clear_, other_;
   std::vector<std::uint8_t> near_row_, other_row_;  ///< rows of `clear_` that hold a value other than reach + 1
 };
+
+inline bool WallMap::all_open(const Int3& low, const Int3& high) const {
+  Int3 from, to;
+  for (int a = 0; a < 3; ++a) {
+    if (periodic_[a] && (low[a] < 0 || high[a] >= size_[a])) return false;
+    from[a] = std::max(low[a], ghost_low_[a]);
+    to[a] = std::min(high[a], ghost_high_[a]);
+  }
+  const int width = to[0] - from[0] + 1;
+  if (width > 8) return false;
+  if (width < 1) return true;
+
+  // Look at up to eight cells at once: of those doors that lead to another cell of the box, none may be shut.
+  const std::uint64_t cells = 0x0101010101010101U & (~std::uint64_t{0} >> (8 * (8 - width)));
+  const std::uint64_t along_x = cells >> 8 << 1, along_y = cells << 3, along_z = cells << 5;
+  std::uint64_t shut = 0;
+  for (int k = from[2]; k <= to[2]; ++k) {
+    const std::uint64_t need = along_x | (k < to[2] ? along_z : 0);
+    const std::uint8_t* row = open_.data() + std::size_t(from[0] + pad) + stride_y_ * std::size_t(from[1] + pad) +
+                              stride_z_ * std::size_t(k + pad);
+    for (int j = from[1]; j <= to[1]; ++j, row += stride_y_) {
+      std::uint64_t open;
+      std::memcpy(&open, row, sizeof open);
+      shut |= (need | (j < to[1] ? along_y : 0)) & ~open;
+    }
+  }
+  return shut == 0;
+}
 
 }  // namespace wick::fluid

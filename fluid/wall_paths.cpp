@@ -35,13 +35,17 @@ WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& di
   }
   // Cross faces in the order in which the line meets them; `travelled` is the part of it done.
   float travelled = 0.0F;
+  std::array<float, 3> inverse;
+  for (int a = 0; a < 3; ++a) inverse[a] = 1.0F / d[a];
   while (true) {
     int axis = -1;
     float next = 1.0F;
     for (int a = 0; a < 3; ++a) {
       if (d[a] == 0.0F) continue;
       const float face = static_cast<float>(at.cell[a] + (d[a] > 0.0F));
-      const float when = (face - start.x[a]) / d[a];
+      // Where the inverse is too large to be stored the end comes before any face, unless the start is on it.
+      const float to_face = face - start.x[a];
+      const float when = to_face == 0.0F ? 0.0F : to_face * inverse[a];
       if (when < next) next = when, axis = a;
     }
     if (axis < 0) break;
