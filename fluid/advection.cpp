@@ -57,7 +57,7 @@ struct Transport::Kernel {
   WallTransport at_walls;
 
   Kernel(const Transport& transport, int lattice)
-      : t(transport), at_walls{t.grid_, t.sides_, *t.walls_, t.map_, t.flow_, flow.range} {
+      : t(transport), at_walls{t.grid_, t.sides_, *t.walls_, t.map_, t.flow_, flow.range, t.short_paths_} {
     for (int a = 0; a < 3; ++a) {
       flow.data[a] = t.flow_[a].data.data();
       flow.sy[a] = t.flow_[a].stride(1);
@@ -205,7 +205,9 @@ void Transport::set_flow(const FaceField& velocity, const Walls& walls, double d
                          return double(most);
                        }));
   }
-  map_.set(walls, static_cast<int>(std::ceil(std::min(fastest * scale_, 12.0) + 2.0)));
+  constexpr double farthest = 12.0;
+  map_.set(walls, static_cast<int>(std::ceil(std::min(fastest * scale_, farthest) + 2.0)));
+  short_paths_ = fastest * scale_ <= farthest;
 }
 
 void Transport::reshape_work(std::size_t fields, int lattice) {

@@ -77,10 +77,14 @@ void Multigrid::set_walls(const Walls& walls, const std::vector<Graph::WeakFace>
   Grid grid{.nx = layout.nx, .ny = layout.ny, .nz = layout.nz};
   build_finest(grid, walls, weak, graphs_[0]);
   for (std::size_t l = 0; l + 1 < graphs_.size(); ++l) build_coarser(graphs_[l], graphs_[l + 1]);
-  for (std::size_t l = 0; l < graphs_.size(); ++l) install_level(graphs_[l], levels_[l], installed_[l]);
-  for (std::size_t l = 0; l + 1 < graphs_.size(); ++l)
+  // Levels do not touch one another, nor do their transfer lists; the first and finest ones take longest.
+  parallel_for(graphs_.size() + 1, 1, [&](std::size_t l) {
+    if (l < graphs_.size()) return install_level(graphs_[l], levels_[l], installed_[l]);
+    part_ = closed_parts(graphs_, weak, parts_);
+  });
+  parallel_for(graphs_.size() - 1, 1, [&](std::size_t l) {
     install_transfer(graphs_[l], installed_[l], levels_[l], graphs_[l + 1], installed_[l + 1], levels_[l + 1]);
-  part_ = closed_parts(graphs_, weak, parts_);
+  });
 }
 
 void Multigrid::subtract_part_means(std::vector<double>& field, double* removed) const {
