@@ -132,44 +132,5 @@ TEST(OpenSides, AWarmLayerUnderAnOpenTopStaysAtRest) {
   }
 }
 
-// Air drawn in by a plume goes on being slow: over twenty turnovers nothing comes in at more than a quarter of the
-// fastest speed in the plume.
-TEST(OpenSides, ThePlumeDrawsInNoJets) {
-  SmokeParams p;
-  const int n = 24;
-  p.resolution = {n, n, 36};
-  p.sides = {Side::open, Side::open, Side::open, Side::open, Side::closed, Side::open};
-  p.vorticity = 0.0, p.cfl = 3.0;
-  p.active_window = false;
-  const Grid g = smoke_grid(p);
-  SmokeState s = make_smoke_state(p);
-  SmokeSolver solver(p);
-  SmokeSources sources;
-  for_each({n, n, 2}, [&](int i, int j, int k) {
-    if (std::hypot(i + 0.5 - n / 2.0, j + 0.7 - n / 2.0) <= 2.0)
-      sources.cell.push_back(std::int64_t(g.cell(i, j, k)));
-  });
-  double t = 0.0, inflow = 0.0, fastest = 0.0;
-  while (t < 60.0) {
-    const double dt = std::min(0.08, stable_dt(s, p, sources.gravity));
-    sources.heat.assign(sources.cell.size(), 60.0 * dt / double(sources.cell.size()));
-    fastest = std::max(fastest, solver.step(s, sources, no_walls, dt).max_speed);
-    t += dt;
-    for (int a = 0; a < 2; ++a) {
-      const auto& u = s.velocity[a];
-      for_each({n, p.resolution[2], 1}, [&](int m, int k, int) {
-        const double low = u[a == 0 ? g.face(0, 0, m, k) : g.face(1, m, 0, k)];
-        const double high = u[a == 0 ? g.face(0, n, m, k) : g.face(1, m, n, k)];
-        inflow = std::max({inflow, low, -high});
-      });
-    }
-    for_each({n, n, 1}, [&](int i, int j, int) {
-      inflow = std::max(inflow, -double(s.velocity[2][g.face(2, i, j, p.resolution[2])]));
-    });
-  }
-  std::printf("plume: fastest inflow %.3f of %.3f m/s\n", inflow, fastest);
-  EXPECT_LT(inflow, 0.25 * fastest);
-}
-
 }  // namespace
 }  // namespace wick::fluid
