@@ -5,9 +5,9 @@
 ///   maccormack       q^ = A q,  q' = q^ + (q - A⁻¹ q^)/2, held within the values around x_b   [Selle 2008]
 ///   conservative     q' = q - dt div(u q), axis by axis, fluxes limited in slope [van Leer 1974, Strang 1968]
 ///
-/// Closed sides cut paths, open sides bring in ambient air (0; velocity as at the side), periodic sides
-/// continue at the other end. Paths and samples near walls follow wall_paths.h; there, and where a path
-/// leaves the box, MacCormack is the first-order value.
+/// Closed sides cut paths, open sides bring in ambient air (0, and at rest), periodic sides continue at the
+/// other end. Paths and samples near walls follow wall_paths.h; there, and where a path leaves the box,
+/// MacCormack is the first-order value.
 #include <span>
 #include <vector>
 
@@ -26,6 +26,9 @@ struct SideMotion {
 
 /// Ghosts of velocity component `axis`, in the same unit as `factor` makes the field.
 GhostRules velocity_ghosts(const Sides& sides, int axis, const SideMotion& motion, double factor);
+
+/// Ghosts of velocity component `axis` when it is carried: the air outside open sides rests.
+GhostRules carried_velocity_ghosts(const Sides& sides, int axis, const SideMotion& motion);
 
 /// Makes the two copies of the faces on periodic sides the same.
 void join_periodic_faces(const Grid& grid, const Sides& sides, FaceField& velocity);
@@ -58,6 +61,7 @@ class Transport {
   void reshape_work(std::size_t fields, int lattice);
   TransportReport carry_conservative(std::span<CellField* const> fields);
   void take_courant_numbers();
+  void spend_head_of_inflow(FaceField& velocity) const;
   [[nodiscard]] double upwind_outflow(const CellField& field) const;
 
   Grid grid_;
