@@ -28,6 +28,12 @@ double at(const Values* values, std::size_t i, double otherwise = 0.0) {
   return values == nullptr ? otherwise : (*values)[i];
 }
 
+/// Whether a model adds C; the others only report it.
+bool adds_strain(Model model) {
+  return model == Model::strain_constrained || model == Model::strain_unconstrained || model == Model::noise ||
+         model == Model::strain_noise;
+}
+
 template <class T>
 bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
@@ -124,9 +130,14 @@ void DiffusionSolver::Impl::build_matrix(const DiffusionInput& in, double dt) {
   const solid::ShellMesh& mesh = *in.mesh;
   const Values& mass = *in.mass;
   const bool current = params.metric == Metric::current;
-  if (current && params.discretisation == Operator::cotan) corner = corner_cotangents(mesh, *in.x);
-  build_operator(mesh, graph, choice(params.clamp_weights), current ? *in.x : mesh.rest,
-                 current ? corner : rest_corner, mass, op);
+  if (params.model == Model::tensor) {
+    corner = tensor_corners(mesh, *in.x, params.tensor_gain);
+    build_operator(mesh, graph, {Operator::cotan, 1.0, params.clamp_weights}, mesh.rest, corner, mass, op);
+  } else {
+    if (current && params.discretisation == Operator::cotan) corner = corner_cotangents(mesh, *in.x);
+    build_operator(mesh, graph, choice(params.clamp_weights), current ? *in.x : mesh.rest,
+                   current ? corner : rest_corner, mass, op);
+  }
   for (std::size_t i = 0; i < mass.size(); ++i)
     if (op.storage[i] == 0.0) op.storage[i] = mass[i];
 
@@ -243,9 +254,10 @@ void DiffusionSolver::Impl::add_strain(const DiffusionInput& in, double dt, cons
                                        DiffusionReport& report) {
   triangle_strain(params, *in.mesh, *in.x, in.rest_scale, strain);
   vertex_strain(params, *in.mesh, strain, dt, c);
+  apply_noise(params, *in.mesh, dt, c);
   c_front.assign(c.size(), 0.0);
   const bool any = std::any_of(c.begin(), c.end(), [](double value) { return value > 0.0; });
-  if (params.model == Model::isotropic || !any) return;
+  if (!adds_strain(params.model) || !any) return;
   c_front = c;
   if (params.order == Order::inside) {
     parallel_for(c.size(), chunk, [&](std::size_t i) { rhs[i] = matrix.storage[i] * c[i]; });

@@ -22,7 +22,17 @@ class ParameterVisitor;
 namespace wick::diffusion {
 
 enum class Preset { burning, wetting, literal };
-enum class Model { isotropic, strain_constrained, strain_unconstrained };  // more follow: methods section 10
+/// How u moves over the sheet: the paper's method, and what it is compared with.
+enum class Model {
+  isotropic,             ///< no strain; also the diffusion of burning shells in [Jeong 2011]
+  strain_constrained,    ///< Eq (8)
+  strain_unconstrained,  ///< Eq (7): C everywhere, no rescaling
+  porous,                ///< capillary, pore pressure, Darcy flow [Lenaerts 2008]
+  diffuse_gravity,       ///< saturation differences and gravity along the edges [Patkar 2013]
+  noise,                 ///< Eq (8) with noise in place of strain
+  strain_noise,          ///< Eq (8) with strain times noise
+  tensor                 ///< a diffusion tensor that follows the principal stretches
+};
 enum class Operator { cotan, umbrella, graph };
 enum class Metric { rest, current };
 enum class Measure { invariant, orthotropic };
@@ -32,6 +42,15 @@ enum class Order { inside, after };  // C through the same solve, or after it (8
 enum class SigmaMode { rate, per_step, influx };
 enum class Total { area, plain };
 enum class Scope { global, component, front, local, local_front };
+
+/// Gradient noise that stands for strain (Model::noise) or modulates it (Model::strain_noise) [Perlin 2002].
+struct NoiseParams {
+  double amplitude = 1.0;   ///< a
+  double frequency = 16.0;  ///< f [1/m], in material coordinates
+  double level = 0.003;     ///< c that noise of size 1 stands for in Model::noise
+  int seed = 1;
+};
+void describe(ParameterVisitor& visitor, NoiseParams& params);
 
 struct DiffusionParams {
   Preset preset = Preset::burning;
@@ -63,6 +82,9 @@ struct DiffusionParams {
   SigmaMode sigma_mode = SigmaMode::rate;
   double sigma_tau = 1.0;  ///< [s]
   Total total = Total::area;
+  // comparison models
+  NoiseParams noise;
+  double tensor_gain = 2.0;  ///< k_t of D = alpha (I + k_t (U - I)), U the right stretch
 };
 /// The forms and defaults of one preset. Rule for the gain: kappa = 0.4 Pi/(c_mean t) with c_mean the mean of c
 /// under the expected load, t half the time of the run and Pi the strength (0.1 invisible, 1-3 visible, 10-30
@@ -86,6 +108,7 @@ struct DiffusionInput {
   const std::vector<double>* amount = nullptr;  ///< explicit f_i, amount added this step [M units]; null: none
   const std::vector<double>* fraction_left = nullptr;  ///< mu_i for `virgin`; null: 1
   double capacity = 0.0;                               ///< cap on u; 0: none
+  Vec3 gravity = Vec3::Zero();                         ///< [m/s2], for the models that it drives
 };
 
 struct DiffusionReport {
