@@ -11,8 +11,25 @@ namespace wick::coupling {
 
 namespace {
 
-Vec3 source_center(const HeatSourceParams& source, double time) {
-  return source.center + time * source.velocity;
+/// What a source heats at one time.
+struct SourceRegion {
+  SourceKind kind;
+  Vec3 center, lower, upper;
+  double radius;
+
+  [[nodiscard]] bool contains(const Vec3& p) const {
+    if (kind == SourceKind::ball) return (p - center).norm() <= radius;
+    return (p.array() >= lower.array()).all() && (p.array() <= upper.array()).all();
+  }
+};
+
+SourceRegion region_at(const HeatSourceParams& source, double time) {
+  const Vec3 moved = time * source.velocity;
+  if (source.kind == SourceKind::box)
+    return {source.kind, 0.5 * (source.lower + source.upper) + moved, source.lower + moved, source.upper + moved,
+            0.0};
+  const Vec3 center = source.center + moved, reach = Vec3::Constant(source.radius);
+  return {source.kind, center, center - reach, center + reach, source.radius};
 }
 
 /// Share of [time, time + dt] in which the source is on.
@@ -21,11 +38,12 @@ double on_share(const HeatSourceParams& source, double time, double dt) {
   return std::clamp(on / dt, 0.0, 1.0);
 }
 
-/// Calls body(i, j, k) for the cells of the grid whose centre lies in the ball; for the nearest one when none does.
+/// Calls body(i, j, k) for the cells of the grid whose centre lies in the region; for the nearest one when none
+/// does.
 template <class Body>
-void for_cells_in_ball(const fluid::Grid& grid, const Vec3& center, double radius, Body&& body) {
-  const Vec3 low = (center - Vec3::Constant(radius) - grid.origin) / grid.h;
-  const Vec3 high = (center + Vec3::Constant(radius) - grid.origin) / grid.h;
+void for_cells_in(const SourceRegion& region, const fluid::Grid& grid, Body&& body) {
+  const Vec3 low = (region.lower - grid.origin) / grid.h;
+  const Vec3 high = (region.upper - grid.origin) / grid.h;
   Int3 first, last;
   for (int a = 0; a < 3; ++a) {
     first[a] = static_cast<int>(std::floor(std::clamp(low[a], 0.0, double(grid.size(a)))));
@@ -35,11 +53,11 @@ void for_cells_in_ball(const fluid::Grid& grid, const Vec3& center, double radiu
   for (int k = first[2]; k <= last[2]; ++k)
     for (int j = first[1]; j <= last[1]; ++j)
       for (int i = first[0]; i <= last[0]; ++i)
-        if ((grid.cell_center(i, j, k) - center).norm() <= radius) {
+        if (region.contains(grid.cell_center(i, j, k))) {
           any = true;
           body(i, j, k);
         }
-  const Vec3 q = (center - grid.origin) / grid.h;
+  const Vec3 q = (region.center - grid.origin) / grid.h;
   const bool inside = (q.array() >= 0.0).all() && q.x() < grid.nx && q.y() < grid.ny && q.z() < grid.nz;
   if (!any && inside) body(static_cast<int>(q.x()), static_cast<int>(q.y()), static_cast<int>(q.z()));
 }
@@ -59,6 +77,10 @@ void check_world(const WorldParams& p) {
   require(!p.shells.empty() || p.smoke, "/shells",
           "missing, and no smoke either (the scene has nothing to simulate)");
   std::set<std::string> names;
+  for (std::size_t n = 0; n < p.heat_sources.size(); ++n)
+    require(p.heat_sources[n].kind == SourceKind::ball ||
+                (p.heat_sources[n].upper - p.heat_sources[n].lower).minCoeff() > 0.0,
+            "/heat_sources/" + std::to_string(n) + "/upper", "must exceed lower in every direction");
   for (std::size_t n = 0; n < p.shells.size(); ++n) {
     const std::string pointer = "/shells/" + std::to_string(n) + "/name";
     const std::string& name = p.shells[n].name;
@@ -98,7 +120,7 @@ fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, c
     const double share = on_share(source, time, dt);
     if (share == 0.0 || (source.gas_power == 0.0 && source.gas_smoke == 0.0)) continue;
     const std::size_t first = sources.cell.size();
-    for_cells_in_ball(grid, source_center(source, time), source.radius, [&](int i, int j, int k) {
+    for_cells_in(region_at(source, time), grid, [&](int i, int j, int k) {
       const std::size_t c = grid.cell(i, j, k);
       if (walls.any && walls.solid[c]) return;
       sources.cell.push_back(static_cast<std::int64_t>(c));
@@ -125,10 +147,10 @@ SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambien
       supply.value.assign(count, 0.0);
       supply.any = true;
     }
-    const Vec3 center = source_center(source, time);
+    const SourceRegion region = region_at(source, time);
     const double value = std::max(0.0, (source.temperature - ambient) / kelvin);
     for (std::size_t i = 0; i < count; ++i) {
-      if ((sheet.state.x[i] - center).norm() > source.radius) continue;
+      if (!region.contains(sheet.state.x[i])) continue;
       // Where sources overlap, the sheet is drawn to the mean of their temperatures, weighted by rate.
       const double add = rate * sheet.heat_capacity[i], sum = supply.rate[i] + add;
       if (sum > 0.0) supply.value[i] = (supply.value[i] * supply.rate[i] + value * add) / sum;

@@ -16,7 +16,7 @@ void check_world(const WorldParams& params);
 std::uint64_t estimate_world_bytes(const WorldParams& params);
 
 /// Smoke and heat that the heat sources give to the gas during [time, time + dt], spread evenly over the cells
-/// of each ball that are not inside an obstacle.
+/// of each region that are not inside an obstacle.
 fluid::SmokeSources gas_sources(const WorldParams& params, const fluid::Grid& grid, const fluid::Walls& walls,
                                 double time, double dt);
 

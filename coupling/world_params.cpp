@@ -7,6 +7,7 @@ constexpr const char* kMeshKinds[] = {"rectangle", "icosphere", "cylinder", "fil
 constexpr const char* kLattices[] = {"staggered", "grid", "union_jack"};
 constexpr const char* kEdges[] = {"none", "-x", "+x", "-y", "+y"};
 constexpr const char* kObstacleKinds[] = {"sphere", "box", "plane", "mesh"};
+constexpr const char* kSourceKinds[] = {"ball", "box"};
 constexpr const char* kSchemes[] = {"simultaneous", "partitioned"};
 constexpr double kFar = 1e5;     // [m] positions beyond it lose the digits that a millimetre needs
 constexpr double kFast = 1e4;    // [m/s]
@@ -71,9 +72,12 @@ void describe(ParameterVisitor& v, ObstacleParams& p) {
 }
 
 void describe(ParameterVisitor& v, HeatSourceParams& p) {
-  v.vector({"center", "m", between(-kFar, kFar), "at time 0"}, p.center);
-  v.number({"radius", "m", above_up_to(0, kFar), "of the ball that is heated"}, p.radius);
-  v.vector({"velocity", "m/s", between(-kFast, kFast), "of the ball"}, p.velocity);
+  v.choice({"kind", "", any_value(), "region that is heated: ball, or box along the axes"}, p.kind, kSourceKinds);
+  v.vector({"center", "m", between(-kFar, kFar), "ball: its middle at time 0"}, p.center);
+  v.number({"radius", "m", above_up_to(0, kFar), "ball"}, p.radius);
+  v.vector({"lower", "m", between(-kFar, kFar), "box: its lower corner at time 0"}, p.lower);
+  v.vector({"upper", "m", between(-kFar, kFar), "box: its upper corner at time 0"}, p.upper);
+  v.vector({"velocity", "m/s", between(-kFast, kFast), "of the region"}, p.velocity);
   v.number({"temperature", "K", between(0, 20000), "towards which sheets inside are pulled"}, p.temperature);
   v.number({"rate", "1/s", between(0, 1e9), "at which a sheet inside takes that temperature; 0: the gas only"},
            p.rate);
@@ -115,7 +119,7 @@ void describe(ParameterVisitor& v, WorldParams& p) {
   v.section("diffusion", "heat on the sheets; absent: sheets carry none", p.diffusion);
   v.nested("heat", "sheets as carriers of heat; used with a diffusion section", p.heat);
   v.section("burning", "mass loss by heat; needs a diffusion section", p.burning);
-  v.list("heat_sources", "balls that heat sheets and gas", p.heat_sources);
+  v.list("heat_sources", "regions that heat sheets and gas", p.heat_sources);
   v.section("wind", "moving air around sheets; not with a smoke section", p.wind);
   v.nested("coupling", "how gas and sheets are stepped together", p.coupling);
 }

@@ -73,12 +73,15 @@ struct ObstacleParams {
 };
 void describe(ParameterVisitor& visitor, ObstacleParams& params);
 
-/// Heats sheets and gas inside a ball that may move.
+/// Heats sheets and gas inside a ball or a box that may move.
+enum class SourceKind { ball, box };
 struct HeatSourceParams {
-  Vec3 center = Vec3::Zero();      ///< [m]
-  double radius = 0.05;            ///< [m]
-  Vec3 velocity = Vec3::Zero();    ///< [m/s]
-  double temperature = 1200.0;     ///< of the source [K]
+  SourceKind kind = SourceKind::ball;
+  Vec3 center = Vec3::Zero();                                        ///< ball [m]
+  double radius = 0.05;                                              ///< ball [m]
+  Vec3 lower = Vec3::Constant(-0.05), upper = Vec3::Constant(0.05);  ///< box [m]
+  Vec3 velocity = Vec3::Zero();                                      ///< [m/s]
+  double temperature = 1200.0;                                       ///< of the source [K]
   double rate = 20.0;              ///< at which a sheet inside takes that temperature [1/s]
   double gas_power = 0.0;          ///< heat given to the gas [W]
   double gas_smoke = 0.0;          ///< smoke given to the gas [kg/s]
