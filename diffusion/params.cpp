@@ -123,6 +123,8 @@ void describe_front(ParameterVisitor& v, DiffusionParams& p) {
   v.choice(
       {"total", "", {}, "total that is kept: weighted by what a vertex holds, or the plain sum of Kim 2017, Eq 8b"},
       p.total, total_names);
+  v.number({"capacity", "1", at_least(0.0), "u above this is refused and booked as excess; 0: no limit"},
+           p.capacity);
 }
 
 }  // namespace

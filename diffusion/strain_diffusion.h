@@ -82,6 +82,7 @@ struct DiffusionParams {
   SigmaMode sigma_mode = SigmaMode::rate;
   double sigma_tau = 1.0;  ///< [s]
   Total total = Total::area;
+  double capacity = 0.0;  ///< cap on u; 0: none
   // comparison models
   NoiseParams noise;
   double tensor_gain = 2.0;  ///< k_t of D = alpha (I + k_t (U - I)), U the right stretch

@@ -1,0 +1,11 @@
+#pragma once
+/// The experiments by file: each function adds its own to the list.
+#include <vector>
+
+#include "scenes/experiments/experiment.h"
+
+namespace wick::scenes {
+
+void add_arithmetic(std::vector<Experiment>& list);  ///< Figs 3, 7, Table 1, rigid limit
+void add_wetting(std::vector<Experiment>& list);     ///< Fig 6
+}  // namespace wick::scenes
