@@ -7,6 +7,7 @@ namespace {
 std::vector<Experiment> build_list() {
   std::vector<Experiment> list;
   add_arithmetic(list);
+  add_fire(list);
   add_wetting(list);
   add_convergence(list);
   list.push_back({"fig02", "Fig 2: photographs of burnt and wet sheets", "reference only", "measured data", {}});

@@ -9,4 +9,6 @@ namespace wick::scenes {
 void add_arithmetic(std::vector<Experiment>& list);   ///< Figs 3, 7, Table 1, rigid limit
 void add_wetting(std::vector<Experiment>& list);      ///< Fig 6
 void add_convergence(std::vector<Experiment>& list);  ///< dt and mesh refinement
+void add_fire(std::vector<Experiment>& list);         ///< Figs 1, 9
+
 }  // namespace wick::scenes
