@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <set>
 
 #include "core/noise.h"
@@ -99,14 +100,20 @@ void check_world(const WorldParams& p) {
 }
 
 std::uint64_t estimate_world_bytes(const WorldParams& p) {
-  // Bytes a cell: state 36, walls 28, advection and solver work arrays about 190 (measured on the plume at 128^3).
-  constexpr double kPerCell = 260.0, kPerVertex = 4000.0, kProgram = 90e6;
+  // Bytes a cell: state 36, walls 28, advection and solver work arrays about 160 (measured on the bundled scenes,
+  // the densest of them a sheet in 128^3). A vertex with its triangles takes 38 bytes of a binary PLY, more as
+  // text.
+  constexpr double kPerCell = 228.0, kPerVertex = 2500.0, kProgram = 90e6, kFileBytesPerVertex = 38.0;
   double bytes = kProgram;
   if (p.smoke) bytes += kPerCell * p.smoke->resolution[0] * p.smoke->resolution[1] * p.smoke->resolution[2];
   for (const ShellSection& shell : p.shells) {
     double vertices = double(shell.mesh.vertices[0]) * shell.mesh.vertices[1];
     if (shell.mesh.kind == MeshKind::icosphere) vertices = 10.0 * std::pow(4.0, shell.mesh.subdivisions) + 2.0;
-    if (shell.mesh.kind == MeshKind::file) vertices = 0.0;  // known once it is read, and refused there
+    if (shell.mesh.kind == MeshKind::file) {
+      std::error_code error;  // a file that is not there is refused when it is read
+      const auto size = std::filesystem::file_size(std::filesystem::path(p.directory) / shell.mesh.file, error);
+      vertices = error ? 0.0 : static_cast<double>(size) / kFileBytesPerVertex;
+    }
     bytes += kPerVertex * vertices;
   }
   return static_cast<std::uint64_t>(std::min(bytes, 1e18));

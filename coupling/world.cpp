@@ -1,6 +1,7 @@
 /// The frame as the data flows: World::Impl::substep lists the stages in order, each is one function below it.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/require.h"
 #include "coupling/world_impl.h"
@@ -250,12 +251,14 @@ void World::Impl::audit() {
   ledgers["heat"].set_stock("gas", fluid::total_heat(*gas, *params.smoke));
 }
 
-FrameReport World::step(double dt) {
+FrameReport World::step(double dt, FunctionRef<bool()> stop) {
   require(dt > 0.0 && std::isfinite(dt), "/fps", "gives a frame without a length");
   Impl& world = *impl_;
-  FrameReport report;
-  const double end = world.time + dt;
-  for (double left = dt; left > 0.0; left = end - world.time) {
+  const bool resumed = world.frame_end.has_value();
+  FrameReport report = resumed ? std::exchange(world.unfinished, {}) : FrameReport{};
+  const double end = resumed ? *world.frame_end : world.time + dt;
+  world.frame_end.reset();
+  for (double left = resumed ? end - world.time : dt; left > 0.0; left = end - world.time) {
     double step = world.longest_step(left);
     // Past the cap the rest of the frame is one equal share of what is left: counted, not hidden.
     const int remaining = world.params.coupling.max_substeps - report.substeps;
@@ -266,12 +269,19 @@ FrameReport World::step(double dt) {
     const bool last = step >= left * (1.0 - 1e-12);
     world.substep(step, report);
     if (last) world.time = end;
+    if (world.time < end && stop()) {
+      world.frame_end = end;
+      world.unfinished = report;
+      report.complete = false;
+      break;
+    }
   }
   {
     const StageTimer timer(report.seconds, "audit");
     world.audit();
   }
-  report.frame = ++world.frame;
+  if (report.complete) ++world.frame;
+  report.frame = world.frame;
   report.time = world.time;
   return report;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/function_ref.h"
 #include "core/ledger.h"
 #include "core/report.h"
 #include "core/state.h"
@@ -24,6 +25,7 @@ struct FrameReport {
   std::map<std::string, SolveReport> solves;  ///< worst residual and summed iterations of the frame, by solver
   int unconverged_solves = 0;
   int lengthened_steps = 0;  ///< steps that /coupling/max_substeps made longer than asked
+  bool complete = true;      ///< false: step() was stopped between two substeps
 };
 
 /// One sheet as an output writer sees it. Pointers are valid until the next step.
@@ -42,8 +44,11 @@ class World {
   explicit World(const WorldParams& params);
   ~World();
 
-  /// Advances by one frame of `dt` seconds, in as many substeps as the fastest part needs.
-  FrameReport step(double dt);
+  /// Advances by one frame of `dt` seconds, in as many substeps as the fastest part needs. `stop` is asked after
+  /// each substep that does not end the frame: where it says yes the frame stays unfinished, which is part of the
+  /// state, and the next call (of the same `dt`) goes on with it to the same bits.
+  FrameReport step(
+      double dt, FunctionRef<bool()> stop = [] { return false; });
 
   [[nodiscard]] int frame() const;  ///< 1 for the initial state
   [[nodiscard]] double time() const;

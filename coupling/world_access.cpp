@@ -1,5 +1,6 @@
 /// Looking at the world from outside, and saving and restoring it.
 #include <algorithm>
+#include <stdexcept>
 
 #include "coupling/world_impl.h"
 
@@ -66,6 +67,48 @@ void World::visit(StateVisitor& visitor) {
   if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
   for (auto& [quantity, ledger] : world.ledgers)
     visitor.group("ledger_" + quantity, [&] { ledger.visit(visitor); });
+  visitor.group("unfinished_frame", [&] { world.visit_unfinished(visitor); });
+}
+
+/// The end of an unfinished frame and its report; nothing between frames, so that no clock enters their hash.
+void World::Impl::visit_unfinished(StateVisitor& visitor) {
+  std::vector<double> end, seconds, solve_values;
+  std::vector<std::string> stages, solvers;
+  std::vector<std::int32_t> counts;
+  if (frame_end) {
+    end = {*frame_end};
+    counts = {unfinished.substeps, unfinished.unconverged_solves, unfinished.lengthened_steps};
+  }
+  for (const auto& [stage, spent] : unfinished.seconds) {
+    stages.push_back(stage);
+    seconds.push_back(spent);
+  }
+  for (const auto& [solver, s] : unfinished.solves) {
+    solvers.push_back(solver);
+    solve_values.insert(solve_values.end(), {double(s.iterations), s.residual_before, s.residual_after, s.rhs_sum,
+                                             s.converged ? 1.0 : 0.0, s.seconds});
+  }
+  visitor.array("end", end);
+  visitor.array("counts", counts);
+  visitor.array("stages", stages);
+  visitor.array("seconds", seconds);
+  visitor.array("solvers", solvers);
+  visitor.array("solve_values", solve_values);
+  const bool fits = counts.size() == 3 * end.size() && end.size() <= 1 && seconds.size() == stages.size() &&
+                    solve_values.size() == 6 * solvers.size();
+  if (!fits) throw std::runtime_error("the unfinished frame of a checkpoint does not fit together");
+  frame_end.reset();
+  unfinished = {};
+  if (end.empty()) return;
+  frame_end = end[0];
+  unfinished.substeps = counts[0];
+  unfinished.unconverged_solves = counts[1];
+  unfinished.lengthened_steps = counts[2];
+  for (std::size_t i = 0; i < stages.size(); ++i) unfinished.seconds[stages[i]] = seconds[i];
+  for (std::size_t i = 0; i < solvers.size(); ++i) {
+    const double* v = &solve_values[6 * i];
+    unfinished.solves[solvers[i]] = {static_cast<int>(v[0]), v[1], v[2], v[3], v[4] != 0.0, v[5]};
+  }
 }
 
 void World::restored() {

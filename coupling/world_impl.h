@@ -26,6 +26,7 @@ struct World::Impl {
   void move_sheets(double dt);
   void see_sheets();
   void audit();
+  void visit_unfinished(StateVisitor& visitor);
 
   double longest_step(double left) const;
   std::vector<SheetSurface> surfaces() const;
@@ -41,6 +42,8 @@ struct World::Impl {
   std::vector<Obstacle> obstacles;
   std::optional<fluid::SmokeState> gas;
   std::map<std::string, Ledger> ledgers;
+  std::optional<double> frame_end;  ///< of the frame that a stop left unfinished [s]
+  FrameReport unfinished;           ///< what that frame did so far
 
   // Kept alive between steps, rebuilt from params and state.
   std::unique_ptr<fluid::SmokeSolver> gas_solver;

@@ -113,7 +113,8 @@ void write_file(const fs::path& path, std::string_view bytes) {
   if (done) return;
   const int error = errno;
   ::unlink(temporary.c_str());
-  throw Refusal(ExitCode::input_output, "",
+  const bool forbidden = error == EISDIR || error == EACCES || error == EPERM || error == EROFS;
+  throw Refusal(forbidden ? ExitCode::output_cannot_be_made : ExitCode::input_output, "",
                 fmt::format("cannot write {} of {} bytes ({}) free some space or choose another --out",
                             path.string(), bytes.size(), std::strerror(error)));
 }
@@ -123,8 +124,15 @@ Bytes read_file(const fs::path& path, std::uint64_t limit) {
     return Refusal(ExitCode::input_missing, "",
                    fmt::format("cannot read {} ({})", path.string(), std::strerror(error)));
   };
-  const Descriptor fd(open_file(path, O_RDONLY));
+  // Not blocking: opening a pipe that nobody writes to would wait for ever.
+  const Descriptor fd(open_file(path, O_RDONLY | O_NONBLOCK));
   if (!fd.valid()) throw missing(errno);
+  struct stat kind {};
+  if (::fstat(fd.get(), &kind) != 0) throw missing(errno);
+  if (S_ISDIR(kind.st_mode)) throw missing(EISDIR);
+  require(S_ISREG(kind.st_mode), "",
+          fmt::format("cannot read {} (it is no file but a device or pipe)", path.string()),
+          ExitCode::input_missing);
   Bytes bytes;
   std::array<char, 1 << 16> buffer;
   for (;;) {

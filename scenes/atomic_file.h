@@ -11,8 +11,8 @@ namespace wick::scenes {
 
 using Bytes = std::string;
 
-/// Writes `bytes` as `path`. Throws Refusal (input_output) naming the file and its size; what was there
-/// before stays, and no temporary file is left.
+/// Writes `bytes` as `path`. Throws Refusal naming the file and its size: output_cannot_be_made where the
+/// place does not allow it, else input_output; what was there before stays, and no temporary file is left.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// Reads a whole file of at most `limit` bytes. Throws Refusal: input_missing where it is not there or not

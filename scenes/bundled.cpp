@@ -15,9 +15,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 std::string contents(const Scene& scene) {
-  std::string text = fmt::format("{} frames", scene.frames);
-  if (!scene.world.shells.empty()) text += fmt::format(", {} shells", scene.world.shells.size());
+  std::string text = counted(static_cast<std::size_t>(scene.frames), "frame");
+  if (!scene.world.shells.empty()) text += fmt::format(", {}", counted(scene.world.shells.size(), "shell"));
   if (scene.world.smoke) {
     const Int3& n = scene.world.smoke->resolution;
     text += fmt::format(", smoke {}x{}x{}", n[0], n[1], n[2]);

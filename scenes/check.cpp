@@ -2,6 +2,7 @@
 
 #include "coupling/world.h"
 #include "fluid/smoke.h"
+#include "scenes/disk_estimate.h"
 #include "scenes/effective_scene.h"
 #include "scenes/machine.h"
 #include "scenes/run.h"
@@ -43,7 +44,10 @@ void check_scene(const RunOptions& options) {
   const Scene scene = load_scene(options);
   require_memory(scene);
   static_cast<void>(scene_identity(scene));  // reads the mesh files
-  const coupling::World world(scene.world);
+  coupling::World world(scene.world);
+  const DiskEstimate disk = estimate_disk(world, scene);
+  const std::filesystem::path folder = output_folder(options, scene);
+  require_disk(disk, folder);
   if (options.quiet) return;
   fmt::print("scene    {}: {} frames at {:.4g} a second, {:.4g} s\n", scene.name, scene.frames, scene.fps,
              (scene.frames - 1) / scene.fps);
@@ -53,6 +57,8 @@ void check_scene(const RunOptions& options) {
                shell.mesh->triangle_count());
   if (scene.world.smoke) print_smoke(*scene.world.smoke);
   fmt::print("memory   about {} of {} free\n", bytes_text(needed_memory(scene)), bytes_text(available_memory()));
+  fmt::print("disk     at most {} a frame and {} in all, of {} free\n", bytes_text(disk.frame),
+             bytes_text(disk.all), bytes_text(free_disk(folder)));
   fmt::print("the scene is valid\n");
 }
 

@@ -121,6 +121,7 @@ Bytes make_checkpoint(const CheckpointHeader& header, FunctionRef<void(StateVisi
   const std::int32_t frame = header.frame;
   writer.dataset("/frame", ScalarType::i32, 1, 1, &frame);
   writer.dataset("/time", ScalarType::f64, 1, 1, &header.time);
+  writer.dataset("/state_hash", ScalarType::u64, 1, 1, &header.state_hash);
   writer.strings("/version", {header.version});
   writer.strings("/identity", {header.identity});
   StateWriter metrics(writer, "/metrics"), world(writer, "/world");
@@ -134,10 +135,12 @@ Bytes make_checkpoint(const CheckpointHeader& header, FunctionRef<void(StateVisi
 Checkpoint::Checkpoint(const fs::path& path) : bytes_(read_file(path, 1ULL << 40)) {
   reader_ = std::make_unique<Hdf5Reader>(verified(bytes_));
   std::int32_t frame = 0;
-  for (const auto& [name, type] : {std::pair{"/frame", ScalarType::i32}, std::pair{"/time", ScalarType::f64}})
+  for (const auto& [name, type] : {std::pair{"/frame", ScalarType::i32}, std::pair{"/time", ScalarType::f64},
+                                   std::pair{"/state_hash", ScalarType::u64}})
     if (reader_->rows(name, type, 1) != 1) throw std::runtime_error("its header is incomplete");
   reader_->read("/frame", ScalarType::i32, &frame);
   reader_->read("/time", ScalarType::f64, &header_.time);
+  reader_->read("/state_hash", ScalarType::u64, &header_.state_hash);
   header_.frame = frame;
   header_.version = only(reader_->strings("/version"));
   header_.identity = only(reader_->strings("/identity"));

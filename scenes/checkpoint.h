@@ -2,7 +2,8 @@
 /// Checkpoints: the whole state of a run as an HDF5 file with a checksum of our own behind it. The checksum is
 /// verified before the HDF5 library sees a byte; a file is never opened for writing again.
 ///
-///   /frame /time /version /identity    whose checkpoint this is
+///   /frame /time /version /identity    whose checkpoint this is; /time may lie within the frame after /frame
+///   /state_hash                        World::state_hash of /world
 ///   /metrics/...                       the table of metrics.h5 so far
 ///   /world/...                         what World::visit walks
 ///   last 32 bytes                      "wick-checkpoint\n", size and hash_bytes of all before them
@@ -68,6 +69,7 @@ struct CheckpointHeader {
   double time = 0.0;
   std::string version;   ///< of the program that wrote it
   std::string identity;  ///< scene_identity() of its scene
+  std::uint64_t state_hash = 0;
 };
 
 /// The bytes of a checkpoint: the header, and what the two walks visit.

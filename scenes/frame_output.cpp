@@ -1,5 +1,7 @@
 #include "scenes/frame_output.h"
 
+#include <chrono>
+
 #include "scenes/checkpoint.h"
 #include "scenes/mesh_output.h"
 #include "scenes/preview.h"
@@ -7,7 +9,7 @@
 namespace wick::scenes {
 
 FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, const RunFolder& folder,
-                           const std::string& scene_hash) {
+                           const std::string& scene_sha256) {
   FrameOutput output;
   output.frame = world.frame();
   const fluid::SmokeState* smoke = world.smoke();
@@ -24,7 +26,7 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
     volume.frame = file_number(scene.output, world.frame());
     volume.time = world.time();
     volume.fps = scene.fps;
-    volume.scene_hash = scene_hash;
+    volume.scene_sha256 = scene_sha256;
     output.volume = std::move(volume);
   }
   if (scene.output.mesh.write)
@@ -40,12 +42,23 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
   return output;
 }
 
-void write_outputs(const FrameOutput& output, const OutputParams& params) {
-  if (output.volume) write_file(output.volume_path, smoke_vdb(*output.volume, params.volume, params.up_axis));
-  for (const auto& [path, bytes] : output.files) write_file(path, bytes);
-  if (output.checkpoint.empty()) return;
-  write_file(output.checkpoint_folder / checkpoint_name(output.frame), output.checkpoint);
-  prune_checkpoints(output.checkpoint_folder, output.frame, params.checkpoint.keep);
+double write_outputs(const FrameOutput& output, const OutputParams& params, const RunFolder& folder,
+                     Manifest& manifest) {
+  const auto write = [&](const std::filesystem::path& path, const Bytes& bytes) {
+    write_file(path, bytes);
+    manifest.add(folder.root, path, output.frame, bytes);
+  };
+  if (output.volume) write(output.volume_path, smoke_vdb(*output.volume, params.volume, params.up_axis));
+  for (const auto& [path, bytes] : output.files) write(path, bytes);
+  if (!output.metrics.empty()) {
+    write_file(folder.metrics(), output.metrics);
+    write_file(folder.manifest(), manifest.text());
+  }
+  const auto start = std::chrono::steady_clock::now();
+  if (output.checkpoint.empty()) return 0.0;
+  write_file(folder.checkpoints() / checkpoint_name(output.frame), output.checkpoint);
+  prune_checkpoints(folder.checkpoints(), output.frame, params.checkpoint.keep);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace wick::scenes

@@ -7,6 +7,7 @@
 
 #include "coupling/world.h"
 #include "scenes/atomic_file.h"
+#include "scenes/manifest.h"
 #include "scenes/run_folder.h"
 #include "scenes/volume_output.h"
 
@@ -16,16 +17,19 @@ struct FrameOutput {
   int frame = 0;
   std::filesystem::path volume_path;
   std::optional<VolumeFrame> volume;
-  std::vector<std::pair<std::filesystem::path, Bytes>> files;  ///< complete: meshes, metrics
+  std::vector<std::pair<std::filesystem::path, Bytes>> files;  ///< complete: meshes, preview
+  Bytes metrics;                                               ///< empty: between frames
   Bytes checkpoint;                                            ///< empty: none in this frame
-  std::filesystem::path checkpoint_folder;
+  double checkpoint_seconds = 0.0;                             ///< that making it took
 };
 
 /// Copies of the fields and the finished meshes of the world's present frame.
 FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, const RunFolder& folder,
-                           const std::string& scene_hash);
+                           const std::string& scene_sha256);
 
-/// Writes them: volume, files, then the checkpoint, which thus vouches for all before it.
-void write_outputs(const FrameOutput& output, const OutputParams& params);
+/// Writes them and notes them in the manifest: volume, files, metrics, manifest, then the checkpoint, which thus
+/// vouches for all before it. Returns the seconds that writing the checkpoint took.
+double write_outputs(const FrameOutput& output, const OutputParams& params, const RunFolder& folder,
+                     Manifest& manifest);
 
 }  // namespace wick::scenes

@@ -77,6 +77,36 @@ std::string reason_of(const std::exception& error) {
   return text;
 }
 
+/// Hears the parser and refuses what is no scene.
+class Examiner final : public nlohmann::json_sax<Json> {
+ public:
+  explicit Examiner(std::string_view text) : text_(text) {}
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const string_t&) override { return value(); }
+  bool string(string_t&) override { return value(); }
+  bool binary(binary_t&) override { return value(); }
+  bool start_object(std::size_t) override { return track_.enter(true), true; }
+  bool start_array(std::size_t) override { return track_.enter(false), true; }
+  bool end_object() override { return track_.leave(), true; }
+  bool end_array() override { return track_.leave(), true; }
+  bool key(string_t& name) override { return track_.key(name), true; }
+  bool parse_error(std::size_t position, const std::string&, const Json::exception& error) override {
+    const bool range = dynamic_cast<const Json::out_of_range*>(&error) != nullptr;
+    throw Refusal(ExitCode::scene_invalid, track_.pointer(),
+                  range ? fmt::format("a number out of range ({}) numbers must be finite", reason_of(error))
+                        : fmt::format("not JSON at {} ({})", line_and_column(text_, position), reason_of(error)));
+  }
+
+ private:
+  bool value() { return track_.finish_value(), true; }
+
+  std::string_view text_;
+  Track track_;
+};
+
 /// The element of an array that `token` names; its length names a new last element.
 Json& element(Json& array, std::string_view token, const std::string& pointer) {
   std::size_t index = 0;
@@ -104,37 +134,11 @@ std::string unescape(std::string token) {
 }  // namespace
 
 Json parse_json(std::string_view text) {
-  Track track;
-  const auto follow = [&](int, Json::parse_event_t event, Json& value) {
-    switch (event) {
-      case Json::parse_event_t::object_start:
-        track.enter(true);
-        break;
-      case Json::parse_event_t::array_start:
-        track.enter(false);
-        break;
-      case Json::parse_event_t::object_end:
-      case Json::parse_event_t::array_end:
-        track.leave();
-        break;
-      case Json::parse_event_t::key:
-        track.key(value.get_ref<const std::string&>());
-        break;
-      case Json::parse_event_t::value:
-        track.finish_value();
-        break;
-    }
-    return true;
-  };
-  try {
-    return Json::parse(text.begin(), text.end(), follow, true, true);
-  } catch (const Json::parse_error& error) {
-    throw Refusal(ExitCode::scene_invalid, track.pointer(),
-                  fmt::format("not JSON at {} ({})", line_and_column(text, error.byte), reason_of(error)));
-  } catch (const Json::exception& error) {
-    throw Refusal(ExitCode::scene_invalid, track.pointer(),
-                  fmt::format("a number out of range ({}) numbers must be finite", reason_of(error)));
-  }
+  // First a pass that builds nothing and refuses with a pointer, then one that builds: a parser that is asked to
+  // call back while it builds looks through a whole array at the end of each of its elements.
+  Examiner examiner(text);
+  Json::sax_parse(text.begin(), text.end(), &examiner, Json::input_format_t::json, true, true);
+  return Json::parse(text.begin(), text.end(), nullptr, true, true);
 }
 
 void set_value(Json& root, std::string_view assignment) {

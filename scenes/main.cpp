@@ -1,11 +1,14 @@
 /// The program: what the command line asks for, and the exit code that answers it.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "scenes/bundled.h"
 #include "scenes/experiments/experiment.h"
+#include "scenes/json_text.h"
 #include "scenes/reference.h"
 #include "scenes/run.h"
 #include "scenes/scene_file.h"
@@ -26,6 +29,7 @@ struct CommandLine {
   std::string pointer;
   ExperimentOptions experiment;
   int frames = 0;
+  int requeue_code = static_cast<int>(ExitCode::checkpointed);
   bool markdown = false;
 };
 
@@ -45,6 +49,8 @@ void add_commands(CLI::App& app, CommandLine& line) {
   CLI::App* run = app.add_subcommand("run", "compute a scene; goes on where an earlier run of it stopped");
   add_scene_options(*run, line);
   run->add_flag("--restart", line.options.restart, "forget what the output folder holds and begin anew");
+  run->add_option("--requeue-code", line.requeue_code, "exit code after a stop on request [75]")
+      ->check(CLI::Range(1, 255));
   add_scene_options(*app.add_subcommand("check", "check a scene without computing it"), line);
   app.add_subcommand("list", "list the bundled scenes");
   CLI::App* explain = app.add_subcommand("explain", "list the parameters of a scene");
@@ -77,6 +83,19 @@ ExitCode perform(const CLI::App& app, CommandLine& line) {
   return ExitCode::done;
 }
 
+std::string unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const std::string near = nearest(word, known);
+  return fmt::format("{} is no command (there are {}){}", in_quotes(word), fmt::join(known, ", "),
+                     near.empty() ? "" : fmt::format(" did you mean {}?", near));
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
 int report(const std::string& message, ExitCode exit_code) {
   fmt::print(stderr, "wick: {}\n", message);
   return code(exit_code);
@@ -86,17 +105,20 @@ int report(const std::string& message, ExitCode exit_code) {
 
 int main(int argc, char** argv) {
   CommandLine line;
-  CLI::App app("wick: burning sheets and their smoke");
+  CLI::App app("burning sheets and their smoke", "wick");
   add_commands(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const bool asked = error.get_exit_code() == 0;
-    app.exit(error);
-    return code(asked ? ExitCode::done : ExitCode::command_line);
+    if (error.get_exit_code() != 0 && app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-')
+      return report(unknown_command(app, argv[1]), ExitCode::command_line);
+    if (error.get_exit_code() != 0)
+      return report(one_line(error.what()) + " (see wick --help)", ExitCode::command_line);
+    return app.exit(error);  // prints the help or the version that was asked for
   }
   try {
-    return code(perform(app, line));
+    const ExitCode done = perform(app, line);
+    return done == ExitCode::checkpointed ? line.requeue_code : code(done);
   } catch (const Refusal& refusal) {
     return report(format_refusal(line.scene, refusal), refusal.code());
   } catch (const std::bad_alloc&) {

@@ -22,6 +22,32 @@ std::string solver_text(const coupling::FrameReport& report) {
   return text;
 }
 
+using Rows = std::vector<std::pair<std::string, double>>;
+
+/// Stages by their time, each followed by its parts ("smoke_pressure" is a part of "smoke"), indented. Rows that
+/// would show zero are those of models that the scene has not.
+Rows table_rows(const std::map<std::string, double>& stages) {
+  constexpr double shown_as_zero = 0.0005;
+  const auto parent_of = [&](const std::string& stage) {
+    const std::string parent = stage.substr(0, stage.find('_'));
+    return parent != stage && stages.contains(parent) ? parent : "";
+  };
+  const auto children_of = [&](const std::string& parent) {
+    Rows rows;
+    for (const auto& [stage, seconds] : stages)
+      if (seconds >= shown_as_zero && parent_of(stage) == parent) rows.emplace_back(stage, seconds);
+    std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    return rows;
+  };
+  Rows table;
+  for (const auto& [stage, seconds] : children_of("")) {
+    table.emplace_back(stage, seconds);
+    for (const auto& [part, time] : children_of(stage))
+      table.emplace_back("  " + part.substr(stage.size() + 1), time);
+  }
+  return table;
+}
+
 }  // namespace
 
 Progress::Progress(int first, int last, bool quiet)
@@ -62,14 +88,12 @@ void Progress::note(const std::string& text) {
 void Progress::summary(double wall_seconds) {
   clear_bar();
   if (quiet_ || frames_ == 0) return;
-  std::vector<std::pair<std::string, double>> rows(stages_.begin(), stages_.end());
-  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   fmt::print("{:<24}{:>12}{:>12}{:>9}\n", "stage", "seconds", "s/frame", "share");
   const auto row = [&](const std::string& name, double seconds) {
     fmt::print("{:<24}{:>12.3f}{:>12.4f}{:>8.1f}%\n", name, seconds, seconds / frames_,
                wall_seconds > 0.0 ? 100.0 * seconds / wall_seconds : 0.0);
   };
-  for (const auto& [stage, seconds] : rows) row(stage, seconds);
+  for (const auto& [name, seconds] : table_rows(stages_)) row(name, seconds);
   row("all steps", step_seconds_);
   row("whole run", wall_seconds);
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -11,14 +12,17 @@
 #include "coupling/world.h"
 #include "scenes/background_writer.h"
 #include "scenes/checkpoint.h"
+#include "scenes/disk_estimate.h"
 #include "scenes/effective_scene.h"
 #include "scenes/frame_output.h"
 #include "scenes/machine.h"
+#include "scenes/manifest.h"
 #include "scenes/metrics.h"
 #include "scenes/progress.h"
 #include "scenes/run_folder.h"
 #include "scenes/run_record.h"
 #include "scenes/scene_file.h"
+#include "scenes/sha256.h"
 #include "scenes/signals.h"
 #include "scenes/version.h"
 
@@ -43,17 +47,19 @@ class Run {
   Run(const RunOptions& options, Scene scene)
       : options_(options),
         scene_(std::move(scene)),
-        folder_{options.out.empty() ? fs::path("out") / scene_.name : fs::path(options.out)},
+        folder_{output_folder(options, scene_)},
         identity_(scene_identity(scene_)),
         world_(std::make_unique<coupling::World>(scene_.world)) {
     record_.threads = thread_count();
-    record_.scene_hash = hex(hash_bytes(identity_.data(), identity_.size()));
+    record_.scene_sha256 = sha256(identity_);
     record_.models = world_->models();
   }
 
   ExitCode execute() {
+    require_disk(estimate_disk(*world_, scene_), folder_.root);
     make_folder(folder_.root);
     const FolderLock lock(folder_.root);
+    folder_.require_free_names();
     folder_.tidy();
     if (options_.restart) folder_.clear();
     const bool resumed = resume();
@@ -71,9 +77,53 @@ class Run {
   }
 
  private:
-  /// Goes on from the newest checkpoint that is whole; false where there is none.
+  /// Goes on from the newest checkpoint that is whole, or from one before the first output that is damaged; false
+  /// where there is no checkpoint.
   bool resume() {
-    for (const int frame : checkpoint_frames(folder_.checkpoints())) {
+    const std::vector<int> frames = checkpoint_frames(folder_.checkpoints());
+    if (!resume_from(frames)) {
+      require_no_other_record();
+      return false;
+    }
+    const std::vector<DamagedOutput> damaged = damaged_outputs();
+    if (damaged.empty()) return true;
+    for (const DamagedOutput& output : damaged) record_.damaged_outputs.push_back(output.file);
+    int first = damaged.front().frame;
+    for (const DamagedOutput& output : damaged) first = std::min(first, output.frame);
+    std::vector<int> before = frames;
+    std::erase_if(before, [&](int frame) { return frame >= first; });
+    const int reached = world_->frame();
+    forget();
+    if (resume_from(before)) {
+      warn(fmt::format("outputs are missing or damaged and will be made again: {}", summary_of(damaged)));
+    } else {
+      warn(fmt::format(
+          "outputs are missing or damaged: {}; no checkpoint is left from before frame {}, so they stay "
+          "so (--restart makes all anew)",
+          summary_of(damaged), first));
+      std::vector<int> last = frames;
+      std::erase_if(last, [&](int frame) { return frame > reached; });
+      if (!resume_from(last)) throw std::runtime_error("a checkpoint that could be read cannot be read again");
+    }
+    manifest_.keep_up_to(world_->frame());
+    return true;
+  }
+
+  /// What the manifest tells of the frames before the checkpoint; nothing where there is no manifest to tell.
+  std::vector<DamagedOutput> damaged_outputs() {
+    try {
+      manifest_ = Manifest::read(folder_.manifest());
+    } catch (const std::exception& error) {
+      warn(fmt::format("{} cannot be used ({}): earlier outputs are not verified", folder_.manifest().string(),
+                       error.what()));
+      return {};
+    }
+    manifest_.keep_up_to(world_->frame());
+    return manifest_.damaged(folder_.root, [] { return stop_requested(); });
+  }
+
+  bool resume_from(const std::vector<int>& frames) {
+    for (const int frame : frames) {
       const fs::path path = folder_.checkpoints() / checkpoint_name(frame);
       try {
         const Checkpoint checkpoint(path);
@@ -89,13 +139,16 @@ class Run {
         skip_checkpoint(path, error.what());
       }
     }
-    require_no_other_record();
     return false;
   }
 
   void skip_checkpoint(const fs::path& path, const std::string& why) {
     warn(fmt::format("checkpoint {} cannot be used ({}); trying the one before", path.string(), why));
-    // Reading may have got half-way: start from a world as the scene gives it.
+    forget();
+  }
+
+  /// Back to a world as the scene gives it: reading a checkpoint may have got half-way.
+  void forget() {
     world_ = std::make_unique<coupling::World>(scene_.world);
     metrics_ = Metrics();
   }
@@ -117,10 +170,11 @@ class Run {
   void restore(const Checkpoint& checkpoint) {
     checkpoint.read([&](StateVisitor& v) { metrics_.visit(v); }, [&](StateVisitor& v) { world_->visit(v); });
     world_->restored();
-    if (world_->frame() != checkpoint.header().frame || world_->state_hash() != metrics_.last_hash())
+    if (world_->frame() != checkpoint.header().frame || world_->state_hash() != checkpoint.header().state_hash)
       throw std::runtime_error("it does not give back the state that it recorded");
-    last_checkpoint_ = world_->frame();
+    last_checkpoint_ = world_->time();
     record_.frames = world_->frame();
+    record_.unconverged_solves = 0;
     record_.state_hash = hex(metrics_.last_hash());
     if (const auto* unconverged = metrics_.column("/unconverged_solves"))
       for (const double count : *unconverged) record_.unconverged_solves += static_cast<long long>(count);
@@ -133,7 +187,7 @@ class Run {
     const auto json = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (!json.is_object()) return;
     require(
-        json.value("scene_hash", record_.scene_hash) == record_.scene_hash, "",
+        json.value("scene_sha256", record_.scene_sha256) == record_.scene_sha256, "",
         fmt::format("{} holds another run (its run.json names another scene) choose another --out, or --restart to "
                     "replace it",
                     folder_.root.string()),
@@ -148,7 +202,7 @@ class Run {
     // A run killed between its last checkpoint and its record left the record behind; metrics may have been lost
     // since.
     write_file(folder_.metrics(), metrics_.file());
-    if (!said_done()) write_record("done");
+    if (!said_done() || !record_.damaged_outputs.empty()) write_record("done");
     return ExitCode::done;
   }
 
@@ -172,7 +226,12 @@ class Run {
       progress.note(fmt::format("going on from frame {} in {}", world_->frame(), folder_.root.string()));
     while (world_->frame() < scene_.frames && !stop_requested()) {
       const auto start = Clock::now();
-      coupling::FrameReport report = world_->step(1.0 / scene_.fps);
+      coupling::FrameReport report =
+          world_->step(1.0 / scene_.fps, [] { return stop_requested() || checkpoint_requested(); });
+      if (!report.complete) {
+        write_checkpoint();
+        continue;
+      }
       const auto stepped = Clock::now();
       write_frame(report, false);
       report.seconds["output"] = seconds_since(stepped);
@@ -192,8 +251,8 @@ class Run {
     write_record(done ? "done" : "checkpointed");
     progress.summary(seconds_since(start_));
     if (!options_.quiet)
-      fmt::print("{}: {} frames in {}, state {}{}\n", folder_.root.string(), world_->frame(),
-                 seconds_text(seconds_since(start_)), record_.state_hash,
+      fmt::print("{}: {} frames in {}, state {}, last checkpoint in {:.2f} s{}\n", folder_.root.string(),
+                 world_->frame(), seconds_text(seconds_since(start_)), record_.state_hash, record_.checkpoint_s,
                  done ? "" : "; stopped on request, the same command goes on");
     return done ? ExitCode::done : ExitCode::checkpointed;
   }
@@ -203,14 +262,12 @@ class Run {
     require_finite();
     const std::uint64_t hash = world_->state_hash();
     metrics_.add(metrics_row(*world_, report), hash);
-    FrameOutput output = gather_outputs(*world_, scene_, folder_, record_.scene_hash);
-    output.files.push_back({folder_.metrics(), metrics_.file()});
+    FrameOutput output = gather_outputs(*world_, scene_, folder_, record_.scene_sha256);
+    output.metrics = metrics_.file();
     const int frame = world_->frame(), every = scene_.output.checkpoint.every;
     const bool last = frame >= scene_.frames || stop_requested();
     if (first || last || (every > 0 && frame % every == 0) || take_checkpoint_request()) add_checkpoint(output);
-    writer_.submit([output = std::make_shared<FrameOutput>(std::move(output)), parameters = scene_.output] {
-      write_outputs(*output, parameters);
-    });
+    submit(std::move(output));
     record_.frames = frame;
     record_.state_hash = hex(hash);
     record_.unconverged_solves += report.unconverged_solves;
@@ -218,23 +275,34 @@ class Run {
   }
 
   void add_checkpoint(FrameOutput& output) {
-    const CheckpointHeader header{world_->frame(), world_->time(), version, identity_};
+    const auto start = Clock::now();
+    const CheckpointHeader header{world_->frame(), world_->time(), version, identity_, world_->state_hash()};
     output.checkpoint = make_checkpoint(
         header, [&](StateVisitor& v) { metrics_.visit(v); }, [&](StateVisitor& v) { world_->visit(v); });
-    output.checkpoint_folder = folder_.checkpoints();
-    last_checkpoint_ = world_->frame();
+    output.checkpoint_seconds = seconds_since(start);
+    last_checkpoint_ = world_->time();
+  }
+
+  /// Saves the state as it is, in the middle of a frame too.
+  void write_checkpoint() {
+    require_finite();
+    take_checkpoint_request();
+    FrameOutput output;
+    output.frame = world_->frame();
+    add_checkpoint(output);
+    submit(std::move(output));
+  }
+
+  void submit(FrameOutput output) {
+    writer_.submit([this, output = std::make_shared<FrameOutput>(std::move(output))] {
+      const double seconds = write_outputs(*output, scene_.output, folder_, manifest_);
+      if (!output->checkpoint.empty()) record_.checkpoint_s = output->checkpoint_seconds + seconds;
+    });
   }
 
   /// Waits for the writer; a stop that came after the last frame was handed over still gets its checkpoint.
   void finish_writing() {
-    if (last_checkpoint_ != world_->frame()) {
-      FrameOutput output;
-      output.frame = world_->frame();
-      add_checkpoint(output);
-      writer_.submit([output = std::make_shared<FrameOutput>(std::move(output)), parameters = scene_.output] {
-        write_outputs(*output, parameters);
-      });
-    }
+    if (last_checkpoint_ != world_->time()) write_checkpoint();
     writer_.finish();
   }
 
@@ -283,12 +351,17 @@ class Run {
   Metrics metrics_;
   RunRecord record_;
   Clock::time_point start_ = Clock::now();
-  int last_checkpoint_ = 0;
+  Manifest manifest_;            ///< belongs to the writer's thread once frames are computed
+  double last_checkpoint_ = -1;  ///< simulated time of the state that was saved last [s]
   long long lengthened_steps_ = 0;
   BackgroundWriter writer_{1};
 };
 
 }  // namespace
+
+fs::path output_folder(const RunOptions& options, const Scene& scene) {
+  return options.out.empty() ? fs::path("out") / scene.name : fs::path(options.out);
+}
 
 Scene load_scene(const RunOptions& options) {
   Scene scene = read_scene(options.scene, options.set);

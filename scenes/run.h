@@ -20,6 +20,9 @@ struct RunOptions {
   bool restart = false;  ///< forget what the folder holds
 };
 
+/// Where a run of the scene writes.
+std::filesystem::path output_folder(const RunOptions& options, const Scene& scene);
+
 /// The scene that the options name, with their changes applied.
 Scene load_scene(const RunOptions& options);
 

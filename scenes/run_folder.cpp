@@ -109,6 +109,14 @@ fs::path RunFolder::preview(const OutputParams& output, int frame) const {
   return previews() / fmt::format("{:0{}d}.png", file_number(output, frame), output.frame_padding);
 }
 
+void RunFolder::require_free_names() const {
+  std::error_code error;
+  for (const fs::path& file : {record(), metrics(), scene(), manifest()})
+    require(!fs::is_directory(file, error), "",
+            fmt::format("{} is a folder (the run writes a file of that name) choose another --out", file.string()),
+            ExitCode::output_cannot_be_made);
+}
+
 void RunFolder::tidy() const {
   for (const fs::path& folder : {root, volumes(), meshes(), previews(), checkpoints()}) remove_temporaries(folder);
 }
@@ -116,7 +124,7 @@ void RunFolder::tidy() const {
 void RunFolder::clear() const {
   // Checkpoints first: a run killed in between must not go on from one of them.
   for (const int frame : checkpoint_frames(checkpoints())) remove_file(checkpoints() / checkpoint_name(frame));
-  for (const fs::path& file : {record(), metrics(), scene()}) remove_file(file);
+  for (const fs::path& file : {record(), metrics(), scene(), manifest()}) remove_file(file);
   remove_frames(volumes(), ".vdb");
   remove_frames(meshes(), ".ply");
   remove_frames(previews(), ".png");

@@ -28,6 +28,7 @@ struct RunFolder {
   [[nodiscard]] std::filesystem::path scene() const { return root / "scene.json"; }
   [[nodiscard]] std::filesystem::path record() const { return root / "run.json"; }
   [[nodiscard]] std::filesystem::path metrics() const { return root / "metrics.h5"; }
+  [[nodiscard]] std::filesystem::path manifest() const { return root / "manifest.json"; }
   [[nodiscard]] std::filesystem::path volumes() const { return root / "volumes"; }
   [[nodiscard]] std::filesystem::path meshes() const { return root / "meshes"; }
   [[nodiscard]] std::filesystem::path previews() const { return root / "previews"; }
@@ -36,6 +37,8 @@ struct RunFolder {
   [[nodiscard]] std::filesystem::path mesh(const OutputParams& output, const std::string& shell, int frame) const;
   [[nodiscard]] std::filesystem::path preview(const OutputParams& output, int frame) const;
 
+  /// Throws Refusal (output_cannot_be_made) where a folder has the name of a file that every run writes.
+  void require_free_names() const;
   /// Removes half-made files of a killed run.
   void tidy() const;
   /// Removes every frame, checkpoint and record of an earlier run; other files stay.

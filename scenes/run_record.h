@@ -14,8 +14,10 @@ struct RunRecord {
   std::string outcome = "running";  ///< running, done, checkpointed, failed
   std::string reason;               ///< of a failure
   std::string state_hash;           ///< of the last frame
-  std::string scene_hash;
+  std::string scene_sha256;
+  double checkpoint_s = 0.0;  ///< to make and write the last checkpoint [s], for the notice a farm should give
   long long unconverged_solves = 0;
+  std::vector<std::string> damaged_outputs;  ///< of earlier frames, below the folder; see manifest.json
   std::vector<std::string> warnings;
 };
 

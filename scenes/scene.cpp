@@ -87,13 +87,6 @@ void describe(ParameterVisitor& v, Scene& scene) {
 }
 
 void require_valid(const Scene& scene) {
-  std::set<std::string> shells;
-  for (std::size_t i = 0; i < scene.world.shells.size(); ++i) {
-    const std::string& name = scene.world.shells[i].name;
-    require(shells.insert(name).second, fmt::format("/shells/{}/name", i),
-            fmt::format("\"{}\" names two shells (each writes meshes/{}.####.ply) give each a name of its own",
-                        name, name));
-  }
   std::set<std::string> grids;
   const GridNames& names = scene.output.volume.names;
   const std::pair<const char*, const std::string*> entries[] = {{"density", &names.density},

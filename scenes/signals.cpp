@@ -37,6 +37,10 @@ bool stop_requested() {
   return stop != 0;
 }
 
+bool checkpoint_requested() {
+  return checkpoint != 0;
+}
+
 bool take_checkpoint_request() {
   return checkpoint.exchange(0) != 0;
 }

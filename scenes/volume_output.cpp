@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/parallel.h"
+#include "scenes/git_revision.h"
 #include "scenes/version.h"
 
 namespace wick::scenes {
@@ -154,7 +155,8 @@ openvdb::MetaMap file_metadata(const VolumeFrame& frame, const VolumeParams& par
   // Not "Houdini...": Blender turns the volumes of files whose creator begins so.
   text("creator", std::string("wick ") + version);
   text("version", version);
-  text("scene_hash", frame.scene_hash);
+  text("git", git_revision());
+  text("scene_sha256", frame.scene_sha256);
   text("units", "m,s,kg,K");
   text("up_axis", up_axis == UpAxis::y ? "y" : "z");
   text("velocity_units", params.velocity_unit == VelocityUnit::frame ? "m/frame" : "m/s");

@@ -27,7 +27,7 @@ struct VolumeFrame {
   int frame = 1;                        ///< as in the file name
   double time = 0.0;                    ///< [s]
   double fps = 24.0;
-  std::string scene_hash;
+  std::string scene_sha256;
 };
 
 /// The bytes of the .vdb file.

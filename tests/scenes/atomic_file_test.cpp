@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mount.h>
+#include <sys/stat.h>
 
 #include <csignal>
 
@@ -40,6 +41,7 @@ int write_and_tell(const fs::path& path, std::size_t size) {
 }
 
 constexpr int input_output = static_cast<int>(ExitCode::input_output);
+constexpr int cannot_be_made = static_cast<int>(ExitCode::output_cannot_be_made);
 
 TEST(AtomicFile, WritesAndReplaces) {
   const TemporaryFolder folder;
@@ -72,11 +74,11 @@ TEST(AtomicFile, RefusesAFolderThatItMayNotWrite) {
   write_file(folder / "a", "before");
   fs::permissions(folder.path(), fs::perms(0555));
   const int code = in_child([&] {
-    if (::getuid() == 0 && ::setuid(65534) != 0) return input_output;  // root may write anywhere
+    if (::getuid() == 0 && ::setuid(65534) != 0) return cannot_be_made;  // root may write anywhere
     return write_and_tell(folder / "a", 10);
   });
   fs::permissions(folder.path(), fs::perms(0755));
-  EXPECT_EQ(code, input_output);
+  EXPECT_EQ(code, cannot_be_made);
   EXPECT_EQ(slurp(folder / "a"), "before");
 }
 
@@ -109,7 +111,9 @@ TEST(AtomicFile, RefusesAFileThatIsNotThereOrTooLarge) {
   };
   EXPECT_EQ(code([&] { read_file(folder / "none", 10); }), ExitCode::input_missing);
   EXPECT_EQ(code([&] { read_file(folder.path(), 10); }), ExitCode::input_missing);
-  EXPECT_EQ(code([&] { read_file("/dev/zero", 1000); }), ExitCode::scene_invalid);
+  EXPECT_EQ(code([&] { read_file("/dev/zero", 1000); }), ExitCode::input_missing);
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(code([&] { read_file(folder / "pipe", 1000); }), ExitCode::input_missing) << "and does not wait for it";
   write_file(folder / "a", "12345");
   EXPECT_EQ(code([&] { read_file(folder / "a", 4); }), ExitCode::scene_invalid);
   EXPECT_EQ(read_file(folder / "a", 5), "12345");

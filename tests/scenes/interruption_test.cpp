@@ -90,6 +90,62 @@ TEST_F(Interruption, StopsOnRequestAndGoesOn) {
   }
 }
 
+/// 42 steps a frame: nearly every stop falls within a frame, and goes on from there.
+TEST_F(Interruption, StopsWithinAFrameAndGoesOn) {
+  const std::vector<std::string> steps{"--set", "/coupling/max_step=0.001", "--set", "/output/checkpoint/every=0"};
+  ASSERT_EQ(run("whole", 6, steps), 0);
+  int within = 0, code = 75;
+  for (std::uint64_t n = 0; n < 40 && code != 0; ++n) {
+    std::vector<std::string> all = arguments("stopped", 6);
+    all.insert(all.end(), steps.begin(), steps.end());
+    Program program(folder_, all);
+    wait_for("stopped/run.lock");
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + hash_index(7, n) % 120));
+    program.signal(SIGTERM);
+    code = program.wait();
+    ASSERT_TRUE(code == 75 || code == 0) << code << program.err();
+    const int frame = checkpoint_frames(folder_ / "stopped/checkpoints").front();
+    const Checkpoint checkpoint(folder_ / "stopped/checkpoints" / checkpoint_name(frame));
+    within += checkpoint.header().time > (frame - 1) / 24.0 + 1e-6;
+  }
+  EXPECT_GE(within, 1);
+  ASSERT_EQ(run("stopped", 6, steps), 0) << error_;
+  expect_same_outputs("whole", "stopped");
+}
+
+TEST_F(Interruption, SaysTheRequeueCodeAfterAStop) {
+  std::vector<std::string> all = arguments("a", 200);
+  all.insert(all.end(), {"--requeue-code", "99"});
+  Program program(folder_, all);
+  wait_for("a/meshes/paper.0002.ply");
+  program.signal(SIGTERM);
+  EXPECT_EQ(program.wait(), 99);
+  EXPECT_EQ(record("a")["outcome"], "checkpointed");
+}
+
+TEST_F(Interruption, MakesDamagedOutputsAgain) {
+  ASSERT_EQ(run("whole", 6), 0);
+  ASSERT_EQ(run("a", 6), 0);
+  fs::remove(folder_ / "a/volumes/smoke.0005.vdb");
+  spit(folder_ / "a/meshes/paper.0006.ply", "damaged");
+  ASSERT_EQ(run("a", 6), 0) << error_;
+  EXPECT_EQ(record("a")["damaged_outputs"].dump(), "[\"meshes/paper.0006.ply\",\"volumes/smoke.0005.vdb\"]");
+  expect_same_outputs("whole", "a");
+  ASSERT_EQ(run("a", 7), 0) << error_;
+  EXPECT_EQ(record("a")["damaged_outputs"].dump(), "[]") << "they were made again";
+}
+
+TEST_F(Interruption, NamesDamagedOutputsThatItCannotMakeAgain) {
+  ASSERT_EQ(run("a", 12), 0);
+  fs::remove(folder_ / "a/meshes/paper.0001.ply");
+  ASSERT_EQ(run("a", 13), 0) << error_;
+  EXPECT_NE(record("a")["warnings"].dump().find("meshes/paper.0001.ply (missing)"), std::string::npos);
+  EXPECT_EQ(record("a")["frames"], 13);
+  fs::remove(folder_ / "a/manifest.json");
+  ASSERT_EQ(run("a", 14), 0) << error_;
+  EXPECT_NE(record("a")["warnings"].dump().find("not verified"), std::string::npos);
+}
+
 TEST_F(Interruption, WritesACheckpointOnRequestAndGoesOn) {
   Program program(folder_, {"run", "small.json", "--out", "a", "--frames", "60", "--quiet", "--set",
                             "/output/checkpoint={\"every\": 0, \"keep\": 10}"});

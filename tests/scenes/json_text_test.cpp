@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "core/require.h"
@@ -54,6 +55,16 @@ TEST(JsonText, RefusesDeepNesting) {
   EXPECT_TRUE(mentions(refusal_of(std::string(1000000, '[')), "nested more than"));
   EXPECT_TRUE(mentions(refusal_of("{\"a\":" + std::string(100, '[') + std::string(100, ']') + "}"), "nested"));
   EXPECT_EQ(refusal_of(std::string(60, '[') + std::string(60, ']')), "accepted");
+}
+
+/// Twice the elements take about twice the time. The smaller array takes milliseconds and the quadratic parser this
+/// guards against took minutes for the larger one, so that 5 s of wall clock tell the two apart on any machine.
+TEST(JsonText, ReadsLongArraysInTimeProportionalToTheirLength) {
+  std::string text = "[{}";
+  for (int n = 1; n < 1000000; ++n) text += ",{}";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(parse_json(text + "]").size(), 1000000U);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5.0);
 }
 
 TEST(JsonText, SurvivesEveryTruncationAndByteChange) {

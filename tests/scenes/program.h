@@ -54,9 +54,9 @@ inline void spit(const fs::path& path, const std::string& text) {
 class Program {
  public:
   Program(const TemporaryFolder& folder, std::vector<std::string> arguments,
-          const std::function<void()>& prepare = {})
+          const std::function<void()>& prepare = {}, const fs::path& program = WICK_PROGRAM)
       : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
-    arguments.insert(arguments.begin(), WICK_PROGRAM);
+    arguments.insert(arguments.begin(), program.string());
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);

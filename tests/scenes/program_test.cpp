@@ -2,8 +2,13 @@
 #include "tests/scenes/program.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <nlohmann/json.hpp>
+
+#include "scenes/disk_estimate.h"
+#include "scenes/scene_file.h"
 
 namespace wick::test {
 
@@ -89,6 +94,7 @@ TEST_F(Command, LeavesNothingOfAnInvalidScene) {
           "none.ply");
   refused({"run", "small.json", "--set", "/smoke/resolution=[4000,4000,4000]"}, 77,
           "/smoke/resolution: needs about");
+  refused({"run", "small.json", "--set", "/shells/1={\"name\": \"paper\"}"}, 65, "small.json: /shells/1/name: ");
   refused({"explain", "/nothing/like/it"}, 64, "no parameter");
 }
 
@@ -99,9 +105,15 @@ TEST_F(Command, RefusesABadCommandLine) {
                                              {"run"},
                                              {"run", "small.json", "--frames", "0"},
                                              {"run", "small.json", "--unknown"},
-                                             {"run", "small.json", "--threads", "x"}})
-    EXPECT_EQ(run(arguments).code, 64);
+                                             {"run", "small.json", "--threads", "x"}}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 64);
+    EXPECT_TRUE(outcome.err.starts_with("wick: ")) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_NE(run({"chekc", "small.json"}).err.find("did you mean check?"), std::string::npos);
   EXPECT_EQ(run({"--help"}).code, 0);
+  EXPECT_NE(run({"--help"}).out.find("Usage: wick "), std::string::npos);
   EXPECT_EQ(run({"--version"}).code, 0);
 }
 
@@ -109,9 +121,24 @@ TEST_F(Command, AnswersWithoutRunning) {
   EXPECT_EQ(run({"check", "small.json"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
   EXPECT_NE(run({"list"}).out.find("burning_sheet"), std::string::npos);
+  EXPECT_NE(run({"list"}).out.find("1 shell,"), std::string::npos);
   EXPECT_NE(run({"explain", "/smoke"}).out.find("/smoke/resolution"), std::string::npos);
   EXPECT_TRUE(nlohmann::json::accept(run({"schema"}).out));
   EXPECT_EQ(run({"experiment", "list"}).code, 0);
+}
+
+/// An installed program finds its scenes beside itself, wherever it is carried.
+TEST_F(Command, FindsTheScenesInstalledBesideIt) {
+  fs::create_directories(folder_ / "place/bin");
+  fs::create_directories(folder_ / "place/share/wick/scenes");
+  fs::copy_file(WICK_PROGRAM, folder_ / "place/bin/wick");
+  spit(folder_ / "place/share/wick/scenes/only_here.json", R"({"frames": 1, "smoke": {"resolution": [8, 8, 8]}})");
+  Program list(folder_, {"list"}, {}, folder_ / "place/bin/wick");
+  EXPECT_EQ(list.wait(), 0);
+  EXPECT_EQ(list.out(), "only_here                   1 frame, smoke 8x8x8\n");
+  Program bundled(folder_, {"run", "only_here", "--quiet"}, {}, folder_ / "place/bin/wick");
+  EXPECT_EQ(bundled.wait(), 0) << bundled.err();
+  EXPECT_TRUE(fs::exists(folder_ / "out/only_here/run.json"));
 }
 
 TEST_F(Command, ChangesParametersFromTheCommandLine) {
@@ -128,6 +155,15 @@ TEST_F(Command, RefusesAFolderThatCannotBeMade) {
   EXPECT_EQ(run({"run", "small.json", "--out", "file"}).code, 73);
   EXPECT_EQ(run({"run", "small.json", "--out", "file/below"}).code, 73);
   EXPECT_EQ(run({"run", "small.json", "--out", "/proc/none"}).code, 73);
+  for (const char* name :
+       {"run.json", "scene.json", "metrics.h5", "manifest.json", "run.lock", "volumes/smoke.0001.vdb"}) {
+    const fs::path out = fs::path("taken") / fs::path(name).stem();
+    fs::create_directories(folder_ / (out / name).string());
+    const Outcome outcome = run({"run", "small.json", "--out", out.string(), "--quiet"});
+    EXPECT_EQ(outcome.code, 73) << name;
+    EXPECT_NE(outcome.err.find(name), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
 }
 
 TEST_F(Command, DamagedSceneFilesNeverCrashIt) {
@@ -141,12 +177,58 @@ TEST_F(Command, DamagedSceneFilesNeverCrashIt) {
   }
 }
 
+/// The estimate that refuses a scene: at least 0.9 and at most 1.5 of what the run then takes.
+TEST_F(Command, EstimatesTheMemoryItNeeds) {
+  const std::vector<std::string> box{"--set", "/smoke/resolution=[96,96,96]"};
+  ASSERT_EQ(run({"run", "small.json", "--frames", "4", "--quiet", box[0], box[1]}).code, 0);
+  const std::string text = run({"check", "small.json", box[0], box[1]}).out;
+  const auto at = text.find("about ");
+  ASSERT_NE(at, std::string::npos) << text;
+  const double megabytes = std::stod(text.substr(at + 6));
+  ASSERT_NE(text.find(" MB of", at), std::string::npos) << text;
+  const double ratio = 1e6 * megabytes / record()["peak_rss_bytes"].get<double>();
+  EXPECT_GE(ratio, 0.9);
+  EXPECT_LE(ratio, 1.5);
+}
+
 TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
   const Outcome outcome = run({"run", "small.json", "--set", "/smoke/resolution=[200,200,200]"}, [] {
     const rlimit limit{600 << 20, 600 << 20};
     ::setrlimit(RLIMIT_AS, &limit);
   });
   EXPECT_EQ(outcome.code, 77) << outcome.err;
+}
+
+/// On a disk of 1 MB a frame of 64^3 cells cannot be written, which is said before anything is.
+TEST_F(Command, RefusesMoreDiskThanThereIs) {
+  fs::create_directories(folder_ / "disk");
+  constexpr int skipped = 97;
+  const Outcome outcome =
+      run({"run", "small.json", "--out", "disk/a", "--set", "/smoke/resolution=[64,64,64]"}, [] {
+        const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
+                             ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                             ::mount("tmpfs", "disk", "tmpfs", 0, "size=1m") == 0;
+        if (!mounted) ::_exit(skipped);
+      });
+  if (outcome.code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
+  EXPECT_EQ(outcome.code, 77) << outcome.err;
+  EXPECT_NE(outcome.err.find("of disk for one frame"), std::string::npos) << outcome.err;
+}
+
+/// The estimate that refuses is an upper bound of what is written, and no wild one: the checkpoint within 30 %, as
+/// its 200 kB hold the metrics and the tables of HDF5 too.
+TEST_F(Command, EstimatesTheDiskItNeeds) {
+  const scenes::Scene scene = scenes::read_scene(folder_ / "small.json");
+  coupling::World world(scene.world);
+  const scenes::DiskEstimate estimate = scenes::estimate_disk(world, scene);
+  ASSERT_EQ(run({"run", "small.json", "--quiet"}).code, 0);
+  const auto size = [&](const std::string& file) { return fs::file_size(folder_ / "out/small" / file); };
+  for (const char* frame : {"0001", "0006"})
+    EXPECT_LE(
+        size(std::string("volumes/smoke.") + frame + ".vdb") + size(std::string("meshes/paper.") + frame + ".ply"),
+        estimate.frame);
+  const auto checkpoint = static_cast<double>(size("checkpoints/0006.h5"));
+  EXPECT_NEAR(static_cast<double>(estimate.checkpoint) / checkpoint, 1.0, 0.3);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ VolumeFrame ball(int nx, int ny, int nz) {
           frame.state.velocity[a][g.face(a, i, j, k)] = static_cast<float>(a + 1 + g.face_center(a, i, j, k)[a]);
   frame.frame = 12;
   frame.time = 0.5;
-  frame.scene_hash = "abc";
+  frame.scene_sha256 = "abc";
   return frame;
 }
 
@@ -108,7 +108,7 @@ TEST(VolumeOutput, FollowsTheContract) {
   EXPECT_EQ(text("units"), "m,s,kg,K");
   EXPECT_EQ(text("velocity_units"), "m/s");
   EXPECT_EQ(text("up_axis"), "z");
-  EXPECT_EQ(text("scene_hash"), "abc");
+  EXPECT_EQ(text("scene_sha256"), "abc");
   EXPECT_EQ(file.meta->metaValue<std::int32_t>("frame"), 12);
   EXPECT_EQ(file.meta->metaValue<double>("time"), 0.5);
   EXPECT_EQ(file.meta->metaValue<double>("dx"), 0.1);

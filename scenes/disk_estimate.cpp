@@ -1,0 +1,89 @@
+#include "scenes/disk_estimate.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "core/require.h"
+#include "scenes/machine.h"
+
+namespace wick::scenes {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Adds up what a checkpoint stores.
+class StateSize final : public StateVisitor {
+ public:
+  void raw(std::string_view, ScalarType type, std::size_t rows, std::size_t columns, const void*,
+           FunctionRef<void*(std::size_t)>) override {
+    // 600 bytes: header and table entry of one HDF5 dataset.
+    bytes_ += rows * columns * scalar_size(type) + 600;
+  }
+  void strings(std::string_view, std::vector<std::string>& values) override {
+    for (const std::string& value : values) bytes_ += value.size() + 16;
+  }
+  void begin_group(std::string_view) override { bytes_ += 1500; }
+  void end_group() override {}
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  std::uint64_t bytes_ = 4096;
+};
+
+std::uint64_t volume_bytes(const Scene& scene) {
+  if (!scene.world.smoke || !scene.output.volume.write) return 0;
+  const Int3& n = scene.world.smoke->resolution;
+  const std::uint64_t values = 6ULL * n[0] * n[1] * n[2];  // three scalars and one vector a cell
+  const std::uint64_t bytes = values * (scene.output.volume.precision == Precision::half ? 2 : 4);
+  return bytes + bytes / 10 + 20000;  // masks of the leaves and the tree above them
+}
+
+std::uint64_t mesh_bytes(const coupling::World& world, const Scene& scene) {
+  if (!scene.output.mesh.write) return 0;
+  std::uint64_t bytes = 0;
+  for (const coupling::ShellView& view : world.shells())
+    bytes += 1000 + view.x->size() * (48 + 4 * view.values.size()) + 13 * view.mesh->triangle_count();
+  return bytes;
+}
+
+std::uint64_t preview_bytes(const Scene& scene) {
+  const Int2& size = scene.output.preview.size;
+  return scene.output.preview.write ? 4ULL * size[0] * size[1] : 0;
+}
+
+}  // namespace
+
+DiskEstimate estimate_disk(coupling::World& world, const Scene& scene) {
+  StateSize state;
+  world.visit(state);
+  DiskEstimate estimate;
+  estimate.checkpoint = state.bytes();
+  estimate.frame = volume_bytes(scene) + mesh_bytes(world, scene) + preview_bytes(scene);
+  const auto frames = static_cast<std::uint64_t>(scene.frames);
+  const auto kept = static_cast<std::uint64_t>(scene.output.checkpoint.keep) + 1;
+  estimate.all = frames * estimate.frame + kept * estimate.checkpoint;
+  return estimate;
+}
+
+std::uint64_t free_disk(const fs::path& folder) {
+  std::error_code error;
+  fs::path at = fs::absolute(folder, error);
+  while (!fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
+  const fs::space_info space = fs::space(at, error);
+  // File systems without a size (as /proc) are no disks: writing there fails by itself, for a better reason.
+  return error || space.capacity == 0 ? std::numeric_limits<std::uint64_t>::max() : space.available;
+}
+
+void require_disk(const DiskEstimate& estimate, const fs::path& folder) {
+  const std::uint64_t needed = estimate.frame + estimate.checkpoint, there = free_disk(folder);
+  require(
+      needed <= there, "",
+      fmt::format("needs up to {} of disk for one frame and its checkpoint ({} are free at {}) free some space, "
+                  "lower the resolution or choose another --out",
+                  bytes_text(needed), bytes_text(there), folder.string()),
+      ExitCode::refused);
+}
+
+}  // namespace wick::scenes
