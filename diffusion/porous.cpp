@@ -86,7 +86,7 @@ class PorousStep {
         in_(input),
         retention_(params),
         edges_(edges),
-        tolerance_(tolerance),
+        tolerance_(std::max(100.0 * tolerance, 1e-12)),
         solver_(solver),
         result_(result) {
     prepare_vertices();
@@ -98,9 +98,12 @@ class PorousStep {
   bool advance(double share, bool last, Values& u) {
     start(share, u);
     constexpr int most_iterations = 24;
-    const double wanted = std::sqrt(tolerance_);
-    bool converged = false;
-    for (int k = 0; k < most_iterations && !converged; ++k) converged = iterate(share, u) <= wanted;
+    double error = find_error(share, u);
+    for (int k = 0; k < most_iterations && error > tolerance_; ++k) {
+      correct(share);
+      error = find_error(share, u);
+    }
+    const bool converged = error <= tolerance_;
     if (!converged && !last) return false;
     result_.solve.converged = result_.solve.converged && converged;
     exchange(share, u);
@@ -184,49 +187,47 @@ class PorousStep {
     return params_.relative == 1.0 ? bounded : std::pow(bounded, params_.relative);
   }
 
-  /// One modified Picard iteration:
-  ///   (S C + rates C + h T) δ = S (s⁰ - s) + supply - loss - h T Ψ,   C = ds/dΨ,   S = M times pores
-  /// Fills transfer_ with what crosses the edges at the new Ψ; returns the largest change of s.
-  double iterate(double share, const Values& u) {
+  /// What crosses the edges at the present Ψ and s, and the imbalance that it leaves:
+  ///   r = S (s⁰ - s) + supply - loss - h T Ψ,   S = M times pores
+  /// Returns the largest, as u.
+  double find_error(double share, const Values& u) {
     const SheetGraph& graph = *in_.graph;
     const double h = conductance(share);
     for_each_edge(graph, [&](std::size_t i, std::size_t j, std::size_t e) {
       kr_[e] = relative_permeability(s_[psi_[i] >= psi_[j] ? i : j]);
       transfer_[e] = h * edges_.edge[e] * kr_[e] * (psi_[i] - psi_[j]);
     });
-    parallel_for(u.size(), chunk, [&](std::size_t i) {
-      const double mass = (*in_.mass)[i], supply = share * supply_[i], loss = share * loss_[i];
-      const double now = pores_[i] * s_[i], slope = pores_[i] * retention_.storage(s_[i], stiffness_[i]);
-      op_.storage[i] = mass * slope;
-      extra_[i] = (supply + loss) * slope;
-      rhs_[i] = holds(i) ? mass * (u[i] - now) + supply * (source(i) - now) - loss * now -
-                               net_outflow(graph, transfer_, i)
-                         : 0.0;
-    });
-    assemble(graph, op_, h, extra_, kr_, matrix_);
-    delta_.assign(u.size(), 0.0);
-    // Four digits of each correction: the next one sees what is left.
-    const SolveReport solve = solver_.solve(matrix_, rhs_, 1e-4, delta_);
-    note(solve);
-    for_each_edge(graph, [&](std::size_t i, std::size_t j, std::size_t e) {
-      transfer_[e] += h * edges_.edge[e] * kr_[e] * (delta_[i] - delta_[j]);
-    });
-    return update();
-  }
-
-  /// Ψ and s after the correction.
-  double update() {
-    return parallel_max(s_.size(), chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+    return parallel_max(u.size(), chunk, 0.0, [&](std::size_t begin, std::size_t end) {
       double most = 0.0;
       for (std::size_t i = begin; i < end; ++i) {
+        const double mass = (*in_.mass)[i], supply = share * supply_[i], loss = share * loss_[i];
+        const double now = pores_[i] * s_[i];
+        rhs_[i] = holds(i) ? mass * (u[i] - now) + supply * (source(i) - now) - loss * now -
+                                 net_outflow(graph, transfer_, i)
+                           : 0.0;
         if (!holds(i)) continue;
-        psi_[i] += delta_[i];
-        const double before = s_[i];
-        s_[i] = retention_.saturation(psi_[i], stiffness_[i], lift_[i]);
-        const double change = std::abs(s_[i] - before);
-        most = std::max(most, change <= 1e300 ? change : 1e300);  // not a number counts as far away
+        const double error = std::abs(rhs_[i]) / (mass + supply + loss);
+        most = std::max(most, error <= 1e300 ? error : 1e300);  // not a number counts as far away
       }
       return most;
+    });
+  }
+
+  /// One modified Picard iteration:  (S C + rates C + h T) δ = r,   C = ds/dΨ,   Ψ += δ.
+  void correct(double share) {
+    parallel_for(s_.size(), chunk, [&](std::size_t i) {
+      const double slope = pores_[i] * retention_.storage(s_[i], stiffness_[i]);
+      op_.storage[i] = (*in_.mass)[i] * slope;
+      extra_[i] = share * (supply_[i] + loss_[i]) * slope;
+    });
+    assemble(*in_.graph, op_, conductance(share), extra_, kr_, matrix_);
+    delta_.assign(s_.size(), 0.0);
+    // Four digits of each correction: the next one sees what is left.
+    note(solver_.solve(matrix_, rhs_, 1e-4, delta_));
+    parallel_for(s_.size(), chunk, [&](std::size_t i) {
+      if (!holds(i)) return;
+      psi_[i] += delta_[i];
+      s_[i] = retention_.saturation(psi_[i], stiffness_[i], lift_[i]);
     });
   }
 

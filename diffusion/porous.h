@@ -37,8 +37,8 @@ std::vector<double> vertex_dilation(const solid::ShellMesh& mesh, const std::vec
 /// Advances u by input.dt: implicit, modified Picard in mixed form [Celia 1990], whose matrix is symmetric in Ψ;
 /// amounts then cross the edges as the last iteration says, limited by contents and capacity. Where Picard does
 /// not converge the step is halved, down to dt/256; such steps are taken as they are, limited, and reported
-/// (solve.converged). `edges` holds the weights w, `tolerance` that of the linear solves of the room: saturations
-/// are iterated to its root.
+/// (solve.converged). `edges` holds the weights w, `tolerance` that of linear diffusion: the imbalance
+/// that Picard may leave is 100 times that, as u.
 TransferResult flow_through_pores(const PorousParams& params, const TransferInput& input,
                                   const SheetOperator& edges, double tolerance, LinearSolver& solver,
                                   std::vector<double>& u);
