@@ -46,7 +46,7 @@ double net_outflow(const SheetGraph& graph, const std::vector<double>& transfer,
 
 /// Scales transfers down until each vertex gives at most content + what enters, and takes at most room + what
 /// leaves (empty `room`: no limit). Like [Zalesak 1979], but what passes through counts, in repeated passes; where
-/// these do not settle, content and room alone limit. content, room >= 0.
+/// these do not settle, content and room alone limit a vertex. content, room >= 0.
 void limit_transfers(const SheetGraph& graph, const std::vector<double>& content, const std::vector<double>& room,
                      std::vector<double>& transfer);
 

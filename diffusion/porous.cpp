@@ -250,7 +250,9 @@ class PorousStep {
     parallel_for(n, chunk, [&](std::size_t i) {
       const double mass = (*in_.mass)[i], supply = share * supply_[i], loss = share * loss_[i];
       content_[i] = mass * u[i] + supply * source(i);
-      if (!room_.empty()) room_[i] = std::max(0.0, in_.capacity * (mass + supply + loss) - content_[i]);
+      // What Picard leaves of imbalance is no overflow: the projection on the capacity takes it.
+      const double full = (in_.capacity + tolerance_) * (mass + supply + loss);
+      if (!room_.empty()) room_[i] = std::max(0.0, full - content_[i]);
     });
     limit_transfers(graph, content_, room_, transfer_);
     result_.lost += sum_of(n, [&](std::size_t i) {
