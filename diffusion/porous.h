@@ -17,8 +17,8 @@ namespace wick::diffusion {
 /// Ψ of one vertex as a function of its saturation, convex and increasing for a <= 1.
 class Retention {
  public:
-  /// `stiffness` = k_p (J^-β - 1), `lift` = -ρ g·x.
   explicit Retention(const PorousParams& params);
+  /// `stiffness` = k_p max(0, J^-β - 1), `lift` = -ρ g·x.
   [[nodiscard]] double potential(double s, double stiffness, double lift) const;
   /// ds/dΨ.
   [[nodiscard]] double storage(double s, double stiffness) const;
