@@ -99,10 +99,12 @@ class PorousStep {
     start(share, u);
     constexpr int most_iterations = 24;
     double error = find_error(share, u);
+    result_.solve.residual_before = error;
     for (int k = 0; k < most_iterations && error > tolerance_; ++k) {
       correct(share);
       error = find_error(share, u);
     }
+    result_.solve.residual_after = error;
     const bool converged = error <= tolerance_;
     if (!converged && !last) return false;
     result_.solve.converged = result_.solve.converged && converged;
@@ -235,8 +237,6 @@ class PorousStep {
     ++iterations_;
     result_.solve.iterations += solve.iterations;
     result_.solve.seconds += solve.seconds;
-    result_.solve.residual_before = solve.residual_before;
-    result_.solve.residual_after = solve.residual_after;
   }
 
   /// Moves the amounts, exactly conserved, and books what supply and loss did.

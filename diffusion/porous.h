@@ -38,7 +38,7 @@ std::vector<double> vertex_dilation(const solid::ShellMesh& mesh, const std::vec
 /// amounts then cross the edges as the last iteration says, limited by contents and capacity. Where Picard does
 /// not converge the step is halved, down to dt/256; such steps are taken as they are, limited, and reported
 /// (solve.converged). `edges` holds the weights w, `tolerance` that of linear diffusion: the imbalance
-/// that Picard may leave is 100 times that, as u.
+/// that Picard may leave is 100 times that, as u; the residuals reported are those of the last substep.
 TransferResult flow_through_pores(const PorousParams& params, const TransferInput& input,
                                   const SheetOperator& edges, double tolerance, LinearSolver& solver,
                                   std::vector<double>& u);
