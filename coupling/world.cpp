@@ -163,6 +163,7 @@ void World::Impl::diffuse(double dt, FrameReport& report) {
     input.supply_value = supply.any ? &supply.value : nullptr;
     input.amount = &heat_in[s];
     input.capacity = params.diffusion->capacity;
+    input.gravity = params.gravity;
     if (params.burning) input.fraction_left = &sheet.burning.fraction_left;
     const diffusion::DiffusionReport step = sheet.diffusion->step(sheet.theta, input, dt);
     Ledger& heat = ledgers["heat"];

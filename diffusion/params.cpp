@@ -186,20 +186,13 @@ void describe(ParameterVisitor& v, DiffusionParams& p) {
   describe_strain(v, p);
   describe_front(v, p);
   v.nested("noise", "gradient noise of the models noise and strain_noise", p.noise);
+  v.nested("porous", "capillary flow of the model porous; lengths follow metric, weights are always cotan",
+           p.porous);
+  v.nested("gravity_transport", "transfers along edges of the model diffuse_gravity", p.gravity_transport);
   v.number(
       {"tensor_gain", "1", between(0.0, 1e3),
        "k_t of the model tensor: D = alpha (I + k_t (U - I)) with U the stretch; above 8 obtuse meshes limit it"},
       p.tensor_gain);
-}
-
-void describe(ParameterVisitor& v, NoiseParams& p) {
-  v.number({"amplitude", "1", between(0.0, 1e3), "a: size of the noise; above 1 it switches strain off in places"},
-           p.amplitude);
-  v.number({"frequency", "1/m", between(0.0, 1e4),
-            "f: cycles per metre of the sheet; above 1/(2 edge length) it is only mesh noise"},
-           p.frequency);
-  v.number({"level", "1", at_least(0.0), "value of c that noise of size 1 stands for in the model noise"}, p.level);
-  v.integer({"seed", "", between(0, 2147483647), "of the noise"}, p.seed);
 }
 
 }  // namespace wick::diffusion

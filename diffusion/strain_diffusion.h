@@ -13,11 +13,8 @@
 #include <vector>
 
 #include "core/report.h"
+#include "diffusion/comparison_params.h"
 #include "solid/shell_mesh.h"
-
-namespace wick {
-class ParameterVisitor;
-}
 
 namespace wick::diffusion {
 
@@ -42,15 +39,6 @@ enum class Order { inside, after };  // C through the same solve, or after it (8
 enum class SigmaMode { rate, per_step, influx };
 enum class Total { area, plain };
 enum class Scope { global, component, front, local, local_front };
-
-/// Gradient noise that stands for strain (Model::noise) or modulates it (Model::strain_noise) [Perlin 2002].
-struct NoiseParams {
-  double amplitude = 1.0;   ///< a
-  double frequency = 16.0;  ///< f [1/m], in material coordinates
-  double level = 0.003;     ///< c that noise of size 1 stands for in Model::noise
-  int seed = 1;
-};
-void describe(ParameterVisitor& visitor, NoiseParams& params);
 
 struct DiffusionParams {
   Preset preset = Preset::burning;
@@ -85,6 +73,8 @@ struct DiffusionParams {
   double capacity = 0.0;  ///< cap on u; 0: none
   // comparison models
   NoiseParams noise;
+  PorousParams porous;
+  GravityTransportParams gravity_transport;
   double tensor_gain = 2.0;  ///< k_t of D = alpha (I + k_t (U - I)), U the right stretch
 };
 /// The forms and defaults of one preset. Rule for the gain: kappa = 0.4 Pi/(c_mean t) with c_mean the mean of c
