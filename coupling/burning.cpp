@@ -71,9 +71,19 @@ void describe(ParameterVisitor& v, BurningParams& p) {
   v.number({"gas_heat", "1", between(0, 1e3), "heat given to the gas per burnt mass, same unit; lifts the smoke",
             OnResume::may_change},
            p.gas_heat);
+  v.number(
+      {"flame_temperature", "K", between(300, 1e5),
+       "adiabatic flame temperature of the fuel in air: burning heats gas no further, the rest passes unburnt"},
+      p.flame_temperature);
   v.number({"smoke_yield", "1", between(0, 1), "y_s: smoke per burnt mass [Kim 2017]; the rest is unseen gas",
             OnResume::may_change},
            p.smoke_yield);
+  v.number(
+      {"flame_rate", "1/s", between(1e-6, 1e6),
+       "fraction of the mass lost a second that shows as a full flame; too low: embers show as flames, too high: "
+       "the flame field stays dark",
+       OnResume::may_change},
+      p.flame_rate);
   v.number({"shrink", "1", between(0.05, 1), "s_min: rest length of ash relative to virgin; small values crumple"},
            p.shrink);
   v.number({"weaken", "1", between(1e-6, 1), "e_min: stiffness of ash relative to virgin"}, p.weaken);

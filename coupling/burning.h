@@ -39,14 +39,16 @@ struct BurningParams {
   double activation_temperature = 12000;  ///< T_act [K]
   double ash = 0.08;                      ///< mu_ash: fraction that does not burn
   double removal = 0.12;                  ///< triangles whose vertices all have mu below this fall away as ash
-  double sheet_heat = 1.6;    ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
-  double gas_heat = 2.0;      ///< heat given to the gas per burnt mass, same unit
-  double smoke_yield = 0.15;  ///< y_s: smoke per burnt mass; the rest is unseen gas
-  double shrink = 0.8;        ///< s_min: rest length of ash relative to virgin
-  double weaken = 0.15;       ///< e_min: stiffness of ash relative to virgin
-  double curl = 1.0;          ///< rest curvature of a fully burnt place is curl / curl_radius
-  double curl_radius = 0.03;  ///< [m]
-  double curl_noise = 0.5;    ///< share of the curl's direction that is seeded noise instead of the hotter side
+  double sheet_heat = 1.6;  ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
+  double gas_heat = 2.0;    ///< heat given to the gas per burnt mass, same unit
+  double flame_temperature = 2300.0;  ///< adiabatic, of the fuel in air: burning heats gas no further [K]
+  double smoke_yield = 0.15;          ///< y_s: smoke per burnt mass; the rest is unseen gas
+  double flame_rate = 0.5;            ///< loss of mass that shows as a full flame, as a fraction a second [1/s]
+  double shrink = 0.8;                ///< s_min: rest length of ash relative to virgin
+  double weaken = 0.15;               ///< e_min: stiffness of ash relative to virgin
+  double curl = 1.0;                  ///< rest curvature of a fully burnt place is curl / curl_radius
+  double curl_radius = 0.03;          ///< [m]
+  double curl_noise = 0.5;  ///< share of the curl's direction that is seeded noise instead of the hotter side
   int seed = 1;
 };
 void describe(ParameterVisitor& visitor, BurningParams& params);

@@ -61,7 +61,7 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
 }
 
 Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<double>& smoke,
-                  const std::vector<double>& heat, const std::vector<double>& flame,
+                  const std::vector<double>& heat, const std::vector<double>& flame, double hottest,
                   const fluid::SmokeParams& params, fluid::SmokeState& gas) {
   const double h = params.width / params.resolution[0];
   const double volume = h * h * h;
@@ -76,13 +76,17 @@ Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<
       continue;
     }
     sum.smoke += smoke[i];
-    sum.heat += heat[i];
     for (const auto& face : stencils[i].face)
       for (int n = 0; n < face.count; ++n) {
         const double share = face.weight[n] / faces;
         const std::int64_t c = face.cell[n];
         gas.density[c] += static_cast<float>(share * smoke[i] / volume);
-        gas.temperature[c] += static_cast<float>(share * heat[i] / gas_capacity);
+        const double wanted = share * heat[i];
+        const double room = gas_capacity * std::max(0.0, hottest - static_cast<double>(gas.temperature[c]));
+        const double released = std::min(wanted, room);
+        gas.temperature[c] += static_cast<float>(released / gas_capacity);
+        sum.heat += released;
+        sum.unburnt_heat += wanted - released;
         gas.flame[c] = std::max(gas.flame[c], static_cast<float>(flame[i]));
       }
   }

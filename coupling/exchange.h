@@ -50,13 +50,15 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
                      std::vector<double>& sheet_heat, std::vector<double>& hotter_side);
 
 /// Puts smoke [kg], heat [J] (V each) and a flame of the given strength (V, 0..1) into the cells that the vertices
-/// see, half on each face where both see gas. What no face can take is returned as escaped.
+/// see, half on each face where both see gas. What no face can take is returned as escaped. Gas is heated to at
+/// most `hottest` above ambient [K]: there its oxygen is used up, and the rest of the fuel passes unburnt.
 struct Deposited {
   double smoke = 0.0, heat = 0.0;                  ///< now in the gas
   double escaped_smoke = 0.0, escaped_heat = 0.0;  ///< outside the box, or buried
+  double unburnt_heat = 0.0;                       ///< never released [J]
 };
 Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<double>& smoke,
-                  const std::vector<double>& heat, const std::vector<double>& flame,
+                  const std::vector<double>& heat, const std::vector<double>& flame, double hottest,
                   const fluid::SmokeParams& params, fluid::SmokeState& gas);
 
 /// The sheets' masses as the simultaneous pressure solve wants them. Degrees of freedom are the vertices of all

@@ -192,6 +192,8 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
 
   if (world.diffusion) sheet.theta.assign(sheet.mesh.vertex_count(), 0.0);
   if (world.burning) sheet.burning = make_burning_state(sheet.mesh.vertex_count());
+  if (world.smoke && world.coupling.scheme == CouplingScheme::partitioned)
+    sheet.gas_force.assign(sheet.mesh.vertex_count(), Vec3::Zero());
   start_solvers(sheet, world);
   return sheet;
 }
@@ -233,6 +235,7 @@ void visit(StateVisitor& visitor, Sheet& sheet) {
   visit(visitor, sheet.state);
   visitor.array("theta", sheet.theta);
   visit(visitor, sheet.burning);
+  if (!sheet.gas_force.empty()) visitor.array("gas_force", sheet.gas_force);
 }
 
 std::vector<Obstacle> build_obstacles(const WorldParams& world) {

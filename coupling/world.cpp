@@ -5,6 +5,7 @@
 
 #include "core/require.h"
 #include "coupling/world_impl.h"
+#include "fluid/smoke_state.h"
 
 namespace wick::coupling {
 
@@ -125,6 +126,7 @@ void World::Impl::move_gas(double dt, FrameReport& report) {
     push[s].resize(sheets[s].mesh.vertex_count());
     for (Vec3& force : push[s]) force = impulse[dof++] / dt;
   }
+  if (params.coupling.scheme == CouplingScheme::partitioned) relax_push();
   ledgers["smoke"].book_flow("outflow", -step.smoke_out);
   ledgers["smoke"].book_flow("advection", step.smoke_advection);
   ledgers["heat"].book_flow("outflow", -step.heat_out);
@@ -133,6 +135,54 @@ void World::Impl::move_gas(double dt, FrameReport& report) {
   if (params.smoke->viscosity > 0.0 || params.smoke->diffusivity > 0.0)
     note_solve(report, "gas_diffusion", step.diffusion);
   for (const auto& [stage, seconds] : step.seconds) report.seconds["smoke_" + stage] += seconds;
+}
+
+/// Gives the sheets of the partitioned scheme a running mean of the gas's force instead of the newest one.
+/// The gas answers a change of a sheet's velocity with the added mass μ m, after the fact. Undamped, the change of
+/// velocity from step to step is multiplied by -μ, at any step length [Causin 2005]; with the mean
+///   F <- F + ω (F_new - F)
+/// by 1 - ω (1 + μ), which decays for ω < 2/(1 + μ) and leaves steady motion what it is. A plate of half size l
+/// carries about ρ l of gas an area: ω = m/(m + ρ l).
+void World::Impl::relax_push() {
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    Sheet& sheet = sheets[s];
+    push[s].resize(sheet.mesh.vertex_count(), Vec3::Zero());
+    Eigen::AlignedBox3d box;
+    for (const Vec3& x : sheet.state.x) box.extend(x);
+    const double gas_mass = params.smoke->air_density * 0.5 * box.diagonal().norm();
+    for (std::size_t i = 0; i < push[s].size(); ++i) {
+      const double mass = sheet.inputs.mass[i];
+      const double share = params.coupling.relaxation > 0.0 ? params.coupling.relaxation
+                           : mass > 0.0                     ? mass / (mass + gas_mass * sheet.mesh.vertex_area[i])
+                                                            : 0.0;
+      sheet.gas_force[i] += share * (push[s][i] - sheet.gas_force[i]);
+    }
+    push[s] = sheet.gas_force;
+  }
+}
+
+/// Stops a run that only goes on by following its own error: a partitioned one that needs more steps than a frame
+/// may have, or any in which something is faster than no scene can make it.
+void World::Impl::require_no_runaway(double wanted_steps, double first_wanted) const {
+  constexpr double fastest_sense = 1e5;  // [m/s]; ten times what a scene may ask of anything that moves
+  const auto fail = [&](const std::string& pointer, const std::string& what, const std::string& advice) {
+    throw Refusal(ExitCode::numerical_failure, pointer,
+                  what + " in frame " + std::to_string(frame + 1) + " at " + std::to_string(time) +
+                      " s (a runaway) " + advice);
+  };
+  // Within a frame the flow of a scene changes its speed by a few times, that of a runaway a few times each step.
+  const double bearable = std::min<double>(params.coupling.max_substeps, 8.0 * std::max(first_wanted, 2.0));
+  if (params.coupling.scheme == CouplingScheme::partitioned && wanted_steps > bearable)
+    fail("/coupling/scheme",
+         "the partitioned scheme wants " + std::to_string(std::llround(std::min(wanted_steps, 1e15))) +
+             " steps in a frame that began with " + std::to_string(std::llround(first_wanted)) +
+             " (or more than /coupling/max_substeps)",
+         "use \"simultaneous\", a smaller /coupling/relaxation, or more steps a frame");
+  double speed = gas ? fluid::fastest(gas->velocity) : 0.0;
+  for (const Sheet& sheet : sheets)
+    for (const Vec3& v : sheet.state.v) speed = std::max(speed, v.norm());
+  if (speed > fastest_sense)
+    fail("", "something moves at " + std::to_string(speed) + " m/s", "take shorter steps, or softer sources");
 }
 
 /// Heat crosses between sheets and gas: u_ext of the paper, taken from the cells that each face sees.
@@ -196,13 +246,14 @@ void World::Impl::react(double dt) {
       sheet.theta[i] += burning.sheet_heat * lost[i];
       smoke[i] = burning.smoke_yield * kg;
       heat[i] = burning.gas_heat * lost[i] * sheet.heat_capacity[i];
-      flame[i] = std::min(1.0, 2.0 * lost[i] / dt);  // full flame where half the mass would go in a second
+      flame[i] = std::min(1.0, lost[i] / (dt * burning.flame_rate));
     }
     ledgers["solid"].book_flow("smoke", -burning.smoke_yield * burnt);
     ledgers["solid"].book_flow("gas", -(1.0 - burning.smoke_yield) * burnt);
     ledgers["heat"].book_flow("combustion", kept_heat);
     if (!gas) continue;
-    const Deposited deposited = deposit(stencils[s], smoke, heat, flame, *params.smoke, *gas);
+    const Deposited deposited =
+        deposit(stencils[s], smoke, heat, flame, burning.flame_temperature - ambient, *params.smoke, *gas);
     ledgers["smoke"].book_flow("burning", deposited.smoke + deposited.escaped_smoke);
     ledgers["smoke"].book_flow("escaped", -deposited.escaped_smoke);
     ledgers["heat"].book_flow("combustion", deposited.heat + deposited.escaped_heat);
@@ -261,6 +312,8 @@ FrameReport World::step(double dt, FunctionRef<bool()> stop) {
   world.frame_end.reset();
   for (double left = resumed ? end - world.time : dt; left > 0.0; left = end - world.time) {
     double step = world.longest_step(left);
+    if (report.substeps == 0) report.steps_foreseen = left / step;
+    world.require_no_runaway(report.substeps + left / step, report.steps_foreseen);
     // Past the cap the rest of the frame is one equal share of what is left: counted, not hidden.
     const int remaining = world.params.coupling.max_substeps - report.substeps;
     if (left / step > std::max(remaining, 1)) {

@@ -21,6 +21,7 @@ struct FrameReport {
   int frame = 0;
   double time = 0.0;  ///< [s] at the end of the frame
   int substeps = 0;
+  double steps_foreseen = 1.0;                ///< when the frame began
   StageSeconds seconds;                       ///< by stage; "smoke" is the whole fluid stage
   std::map<std::string, SolveReport> solves;  ///< worst residual and summed iterations of the frame, by solver
   int unconverged_solves = 0;

@@ -76,7 +76,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   std::vector<std::string> stages, solvers;
   std::vector<std::int32_t> counts;
   if (frame_end) {
-    end = {*frame_end};
+    end = {*frame_end, unfinished.steps_foreseen};
     counts = {unfinished.substeps, unfinished.unconverged_solves, unfinished.lengthened_steps};
   }
   for (const auto& [stage, spent] : unfinished.seconds) {
@@ -94,13 +94,15 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   visitor.array("seconds", seconds);
   visitor.array("solvers", solvers);
   visitor.array("solve_values", solve_values);
-  const bool fits = counts.size() == 3 * end.size() && end.size() <= 1 && seconds.size() == stages.size() &&
-                    solve_values.size() == 6 * solvers.size();
+  const bool any = !end.empty();
+  const bool fits = (!any || end.size() == 2) && counts.size() == (any ? 3 : 0) &&
+                    seconds.size() == stages.size() && solve_values.size() == 6 * solvers.size();
   if (!fits) throw std::runtime_error("the unfinished frame of a checkpoint does not fit together");
   frame_end.reset();
   unfinished = {};
-  if (end.empty()) return;
+  if (!any) return;
   frame_end = end[0];
+  unfinished.steps_foreseen = end[1];
   unfinished.substeps = counts[0];
   unfinished.unconverged_solves = counts[1];
   unfinished.lengthened_steps = counts[2];

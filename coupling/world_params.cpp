@@ -101,15 +101,23 @@ void describe(ParameterVisitor& v, CouplingParams& p) {
       {"scheme", "", any_value(),
        "simultaneous: pressure and sheet momentum in one solve [Chentanez 2006]; partitioned: one after the other"},
       p.scheme, kSchemes);
+  v.number({"relaxation", "1", between(0, 1),
+            "partitioned: share of the newest gas force in the force on a sheet; 0: m/(m + rho l) from the sheet's "
+            "mass an "
+            "area and half size; too large: the run stops as a runaway, too small: the gas pushes late",
+            OnResume::may_change},
+           p.relaxation);
   v.number({"max_step", "s", above_up_to(0, 1e4), "longest step of the world; shorter ones follow from the flow",
             OnResume::may_change},
            p.max_step);
   v.number({"sheet_cells", "1", between(0.01, 1e6), "cells of the gas grid that a sheet may cross in one step",
             OnResume::may_change},
            p.sheet_cells);
-  v.integer({"max_substeps", "1", between(1, 1000000),
-             "a frame; steps that would need more are lengthened and counted", OnResume::may_change},
-            p.max_substeps);
+  v.integer(
+      {"max_substeps", "1", between(1, 1000000),
+       "a frame; steps that would need more are lengthened and counted, or end a partitioned run as a runaway",
+       OnResume::may_change},
+      p.max_substeps);
 }
 
 void describe(ParameterVisitor& v, WorldParams& p) {

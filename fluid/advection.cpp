@@ -34,6 +34,14 @@ GhostRules velocity_ghosts(const Sides& sides, int axis, const SideMotion& motio
   return rules;
 }
 
+GhostRules carried_velocity_ghosts(const Sides& sides, int axis, const SideMotion& motion) {
+  GhostRules rules = velocity_ghosts(sides, axis, motion, 1.0);
+  for (int s = 0; s < 6; ++s) {
+    if (sides[s] == Side::open && s / 2 != axis) rules[s].kind = Ghost::zero;
+  }
+  return rules;
+}
+
 void join_periodic_faces(const Grid& grid, const Sides& sides, FaceField& velocity) {
   for (int a = 0; a < 3; ++a) {
     if (sides[2 * a] != Side::periodic) continue;
@@ -57,7 +65,7 @@ struct Transport::Kernel {
   WallTransport at_walls;
 
   Kernel(const Transport& transport, int lattice)
-      : t(transport), at_walls{t.grid_, t.sides_, *t.walls_, t.map_, t.flow_, flow.range} {
+      : t(transport), at_walls{t.grid_, t.sides_, *t.walls_, t.map_, t.flow_, flow.range, t.short_paths_} {
     for (int a = 0; a < 3; ++a) {
       flow.data[a] = t.flow_[a].data.data();
       flow.sy[a] = t.flow_[a].stride(1);
@@ -66,7 +74,8 @@ struct Transport::Kernel {
     }
   }
 
-  /// Ambient air comes into scalars half a cell before an open side; velocity is clamped at the side itself.
+  /// Ambient air comes into scalars, and into velocity along an open side, half a cell before the side; the
+  /// velocity through the side lies on it.
   [[nodiscard]] AxisRange axis_range(int axis, int lattice) const {
     AxisRange r;
     r.n = static_cast<float>(t.grid_.size(axis));
@@ -74,7 +83,7 @@ struct Transport::Kernel {
     const bool open_low = t.sides_[2 * axis] == Side::open, open_high = t.sides_[2 * axis + 1] == Side::open;
     r.low = r.periodic || open_low ? -0.5F : 0.0F;
     r.high = r.n + (r.periodic || open_high ? 0.5F : 0.0F);
-    const float ambient = lattice == 3 ? 0.5F : 0.0F;
+    const float ambient = lattice != axis ? 0.5F : 0.0F;
     r.inside_low = open_low ? ambient : 0.0F;
     r.inside_high = r.n - (open_high ? ambient : 0.0F);
     if (r.periodic) {
@@ -205,7 +214,9 @@ void Transport::set_flow(const FaceField& velocity, const Walls& walls, double d
                          return double(most);
                        }));
   }
-  map_.set(walls, static_cast<int>(std::ceil(std::min(fastest * scale_, 12.0) + 2.0)));
+  constexpr double farthest = 12.0;
+  map_.set(walls, static_cast<int>(std::ceil(std::min(fastest * scale_, farthest) + 2.0)));
+  short_paths_ = fastest * scale_ <= farthest;
 }
 
 void Transport::reshape_work(std::size_t fields, int lattice) {
@@ -257,16 +268,42 @@ void Transport::carry(FaceField& velocity, Advection method) {
     constexpr int a = axis;
     reshape_work(1, a);
     source_[0].assign(velocity[a], 1.0F);
-    source_[0].fill_ghosts(velocity_ghosts(sides_, a, motion_, 1.0));
+    const GhostRules ghosts = carried_velocity_ghosts(sides_, a, motion_);
+    source_[0].fill_ghosts(ghosts);
     float* const result[] = {velocity[a].data()};
     const Kernel kernel(*this, a);
     const std::span<Padded> source(source_.data(), 1), first(first_.data(), two_passes ? 1 : 0);
     kernel.first_pass<a>(source, first, low_, high_, result);
     if (!two_passes) return;
-    first[0].fill_ghosts(velocity_ghosts(sides_, a, motion_, 1.0));
+    first[0].fill_ghosts(ghosts);
     kernel.second_pass<a>(source, first, low_, high_, result);
   });
+  spend_head_of_inflow(velocity);
   join_periodic_faces(grid_, sides_, velocity);
+}
+
+/// Air outside rests at p = 0, so that by Bernoulli it comes in at p = -ρ s²/2 when it comes at speed s. Between
+/// the side and the centre of the cell, h/2 apart, this slows it by ds/dt = -s²/h, which is also what a path does
+/// that begins in still air one cell outside; a longer one begins in still air too. Without it every bit of
+/// inflow brings energy s²/2 from nowhere, and inflow and the eddies that it feeds grow without bound.
+void Transport::spend_head_of_inflow(FaceField& velocity) const {
+  for (int s = 0; s < 6; ++s) {
+    if (sides_[s] != Side::open) continue;
+    const int a = s / 2;
+    const float inward = s % 2 ? -1.0F : 1.0F;
+    Int3 low = {0, 0, 0}, high = lattice_size(grid_, a);
+    low[a] = s % 2 ? grid_.size(a) : 0;
+    high[a] = low[a] + 1;
+    for (int k = low[2]; k < high[2]; ++k) {
+      for (int j = low[1]; j < high[1]; ++j) {
+        for (int i = low[0]; i < high[0]; ++i) {
+          const std::size_t f = grid_.face(a, i, j, k);
+          if (walls_->any && walls_->closed[a][f]) continue;
+          velocity[a][f] *= 1.0F - std::clamp(inward * flow_[a].at(i, j, k), 0.0F, 1.0F);
+        }
+      }
+    }
+  }
 }
 
 double Transport::upwind_outflow(const CellField& field) const {

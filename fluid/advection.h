@@ -3,16 +3,17 @@
 ///
 ///   semi_lagrangian  q'(x) = q(x_b),  x_b = x - dt u(x - dt/2 u(x))                      [Stam 1999]
 ///   maccormack       q^ = A q,  q' = q^ + (q - A⁻¹ q^)/2, held within the values around x_b   [Selle 2008]
-///   conservative     q' = q - dt div(u q), fluxes limited in slope [van Leer 1979], two stages [Shu 1988]
+///   conservative     q' = q - dt div(u q), axis by axis, fluxes limited in slope [van Leer 1974, Strang 1968]
 ///
-/// Closed sides cut paths, open sides bring in ambient air (0; velocity as at the side), periodic sides
-/// continue at the other end. Paths and samples near walls follow wall_paths.h; there, and where a path
-/// leaves the box, MacCormack is the first-order value.
+/// Closed sides cut paths, open sides bring in ambient air (0, and at rest), periodic sides continue at the
+/// other end. Paths and samples near walls follow wall_paths.h; there, and where a path leaves the box,
+/// MacCormack is the first-order value.
 #include <span>
 #include <vector>
 
 #include "fluid/padded.h"
 #include "fluid/smoke.h"
+#include "fluid/sweeps.h"
 #include "fluid/wall_map.h"
 
 namespace wick::fluid {
@@ -25,6 +26,9 @@ struct SideMotion {
 
 /// Ghosts of velocity component `axis`, in the same unit as `factor` makes the field.
 GhostRules velocity_ghosts(const Sides& sides, int axis, const SideMotion& motion, double factor);
+
+/// Ghosts of velocity component `axis` when it is carried: the air outside open sides rests.
+GhostRules carried_velocity_ghosts(const Sides& sides, int axis, const SideMotion& motion);
 
 /// Makes the two copies of the faces on periodic sides the same.
 void join_periodic_faces(const Grid& grid, const Sides& sides, FaceField& velocity);
@@ -56,9 +60,8 @@ class Transport {
   struct Kernel;
   void reshape_work(std::size_t fields, int lattice);
   TransportReport carry_conservative(std::span<CellField* const> fields);
-  double heun_stage_pair(CellField& field);
-  double flux_stage(const CellField& before, CellField& q, bool second);
-  [[nodiscard]] double side_flux_sum() const;
+  void take_courant_numbers();
+  void spend_head_of_inflow(FaceField& velocity) const;
   [[nodiscard]] double upwind_outflow(const CellField& field) const;
 
   Grid grid_;
@@ -68,9 +71,9 @@ class Transport {
   double scale_ = 0.0;  ///< cells a step per m/s
   std::array<Padded, 3> flow_;
   WallMap map_;  ///< of the walls, if there are any
+  bool short_paths_ = false;
   std::vector<Padded> source_, first_, low_, high_;
-  std::array<std::vector<float>, 3> courant_, flux_;
-  CellField before_;
+  Courant courant_;
 };
 
 }  // namespace wick::fluid

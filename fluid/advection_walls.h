@@ -19,6 +19,7 @@ struct WallTransport {
   const WallMap& map;
   const std::array<Padded, 3>& flow;  ///< [cells a step]
   const std::array<AxisRange, 3>& range;
+  bool short_paths;  ///< no path is longer than the map has looked for
   WallPaths paths{grid, sides, map};
 
   /// Lanes of a row of lattice A, from (i,j,k) on, whose path or stencil meets a closed face that is no side of
@@ -26,6 +27,7 @@ struct WallTransport {
   template <int A>
   [[nodiscard]] unsigned near(const Paths& path, int i, int j, int k, int count) const {
     if (!walls.any) return 0;
+    if (nothing_near<A>(i, j, k)) return 0;
     unsigned near = within_clearance<A>(path, i, j, k);
     if (count < lanes) near &= (1U << count) - 1U;
     if (near == 0) return 0;
@@ -87,6 +89,27 @@ struct WallTransport {
   /// More than the rounding of positions up to thousands of cells.
   static constexpr float rounding = 1e-3F;
 
+  /// Clearances of eight cells of a row from cell (i,j,k) on, the last row standing in for those behind it. Lanes
+  /// past the ends of a row read its neighbours, which can only make a point careful without need.
+  [[nodiscard]] const std::uint8_t* clearance(int i, int j, int k) const {
+    return map.clearance() + i +
+           (std::ptrdiff_t(std::clamp(j, 0, grid.ny - 1)) +
+            std::ptrdiff_t(grid.ny) * std::clamp(k, 0, grid.nz - 1)) *
+               grid.nx;
+  }
+  /// True for nearly all of the box: no wall within reach of any path from the eight points.
+  template <int A>
+  [[nodiscard]] bool nothing_near(int i, int j, int k) const {
+    if (!short_paths) return false;
+    const auto far = [&](const std::uint8_t* at) {
+      std::uint64_t bytes;
+      std::memcpy(&bytes, at, sizeof bytes);
+      return bytes == 0x0101010101010101U * map.far();
+    };
+    if (!far(clearance(i, j, k))) return false;
+    return A == 3 || far(clearance(i - (A == 0), j - (A == 1), k - (A == 2)));
+  }
+
   /// A quick test that lets no near point go: those stretching further than the clearance of their cell, less
   /// one cell for the stencil and half a cell (a whole one for points on faces) to the edge.
   template <int A>
@@ -95,18 +118,9 @@ struct WallTransport {
     for (int a = 0; a < 3; ++a) {
       stretch = max8(stretch, max8(abs8(path.middle[a] - path.start[a]), abs8(path.x[a] - path.start[a])));
     }
-    // Of a face, the cells on both sides count. Lanes past the ends of a row read its neighbours, which can
-    // only make a point careful without need.
-    const std::uint8_t* clearance = map.clearance();
-    const auto row = [&](int jj, int kk) {
-      return clearance + i +
-             (std::ptrdiff_t(std::min(jj, grid.ny - 1)) + std::ptrdiff_t(grid.ny) * std::min(kk, grid.nz - 1)) *
-                 grid.nx;
-    };
-    F8 clear = load_bytes(row(j, k));
-    if constexpr (A == 0) clear = min8(clear, load_bytes(row(j, k) - 1));
-    if constexpr (A == 1) clear = min8(clear, load_bytes(row(std::max(j - 1, 0), k)));
-    if constexpr (A == 2) clear = min8(clear, load_bytes(row(j, std::max(k - 1, 0))));
+    // Of a face, the cells on both sides count.
+    F8 clear = load_bytes(clearance(i, j, k));
+    if constexpr (A < 3) clear = min8(clear, load_bytes(clearance(i - (A == 0), j - (A == 1), k - (A == 2))));
     const I8 far = stretch + (A < 3 ? 2.0F : 1.5F) + rounding < clear;
     unsigned near = 0;
     for (int lane = 0; lane < lanes; ++lane) near |= (far[lane] ? 0U : 1U) << lane;

@@ -1,182 +1,159 @@
-/// Transport in flux form on the present grid, for audits: what leaves one cell enters the next.
+/// Transport in flux form: what leaves one cell enters the next.
 ///
-///   dq_c/dt = -sum_f sign_f u_f q_f / h,   q_f = q_up + s/2,   s = 2ab/(a+b) if ab > 0 else 0   [van Leer 1979]
-///
-/// with a, b the differences behind and ahead of the upwind cell. With no divergence each Euler stage is a mean
-/// of neighbours with weights >= 0 as long as no more than half of a cell flows out, hence no new extrema and no
-/// negative values; Heun's two stages are means of such stages [Shu 1988].
+/// A step is an even number of parts, swept in the orders x y z and z y x in turn [Strang 1968], each sweep with
+/// limited slopes [van Leer 1974]. Within a part the air that the sweeps have moved is followed too: they carry the
+/// mixing ratio q/rho, where rho = 1 less the divergence so far. So a flow without divergence leaves what is
+/// uniform uniform, and makes no new extrema and no negative values [Easter 1993].
 #include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
 #include "fluid/advection.h"
-#include "fluid/simd.h"
-
-#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace wick::fluid {
 
 namespace {
 
 constexpr std::size_t row_grain = 16;
-/// Part of a cell that may flow out in a stage: above it the weight of the cell itself could be negative.
-constexpr double most_out = 0.5;
+/// Part of its air that may leave a cell in a sweep. All of it would do but for rounding.
+constexpr double most_out = 0.99;
 /// More parts than this mean a step hundreds of times beyond any sensible CFL number; the flow is then slowed
 /// for this transport, which keeps every property but the speed.
-constexpr int most_substeps = 256;
+constexpr int most_parts = 256;
 
-/// Half the limited slope of the upwind cell.
-WICK_INLINE F8 half_slope(F8 a, F8 b) {
-  return a * b > splat(0.0F) ? a * (b / (a + b)) : splat(0.0F);
+/// The number of parts of a step in which no sweep in either order takes more than `most_out` of the air that a
+/// cell then has: out/parts <= most_out (1 - swept/parts), `swept` the divergence along the axes before.
+double parts_needed(const Grid& g, const Courant& courant) {
+  const float inverse = static_cast<float>(1.0 / most_out);
+  const std::size_t nx = g.nx, up_y = nx, up_z = nx * g.ny;
+  return parallel_max(std::size_t(g.ny) * g.nz, row_grain, 0.0, [&](std::size_t begin, std::size_t end) {
+    float most = 0.0F;
+    for (std::size_t row = begin; row < end; ++row) {
+      const int j = int(row % g.ny), k = int(row / g.ny);
+      const float* x = courant[0].data() + g.face(0, 0, j, k);
+      const float* y = courant[1].data() + g.face(1, 0, j, k);
+      const float* z = courant[2].data() + g.face(2, 0, j, k);
+      const auto out = [&](float low, float high) {
+        return inverse * (std::max(high, 0.0F) - std::min(low, 0.0F));
+      };
+      for (std::size_t i = 0; i < nx; ++i) {
+        const float out_x = out(x[i], x[i + 1]), out_y = out(y[i], y[i + up_y]), out_z = out(z[i], z[i + up_z]);
+        const float dx = x[i + 1] - x[i], dy = y[i + up_y] - y[i], dz = z[i + up_z] - z[i];
+        const float forward = std::max(out_x, std::max(out_y + dx, out_z + dx + dy));
+        const float backward = std::max(out_z, std::max(out_y + dz, out_x + dz + dy));
+        most = std::max(most, std::max(forward, backward));
+      }
+    }
+    return double(most);
+  });
 }
 
-/// Two ghosts a side, so that slopes exist in the first ghost.
-constexpr Int3 two_ghosts = {2, 2, 2};
+/// Planes or slabs that one task takes, and what went out of each field in them.
+struct Outflow {
+  std::size_t fields;
+  std::vector<double> in_plane, in_slab;
 
-/// Fluxes of one row of faces. Behind a face of zero flow the slope is taken as zero: behind a wall there is
-/// nothing to take it from.
-void flux_row(const float* courant, const float* behind, const float* ahead, const float* q, std::ptrdiff_t s,
-              float* flux, int count) {
-  for (int i = 0; i < count; i += lanes) {
-    const int part = std::min(lanes, count - i);
-    F8 c = splat(0.0F), cb = splat(0.0F), ca = splat(0.0F);
-    std::memcpy(&c, courant + i, sizeof(float) * part);
-    std::memcpy(&cb, behind + i, sizeof(float) * part);
-    std::memcpy(&ca, ahead + i, sizeof(float) * part);
-    const F8 q0 = load8(q + i - 2 * s), q1 = load8(q + i - s), q2 = load8(q + i), q3 = load8(q + i + s);
-    const F8 zero = splat(0.0F);
-    const F8 low = cb != zero ? q1 - q0 : zero, high = ca != zero ? q2 - q3 : zero;
-    const F8 from_low = q1 + half_slope(low, q2 - q1), from_high = q2 + half_slope(high, q1 - q2);
-    store_some(flux + i, c > zero ? c * from_low : c * from_high, part);
+  [[nodiscard]] double total(std::size_t f) const {
+    double sum = 0.0;
+    for (const auto* part : {&in_plane, &in_slab}) {
+      for (std::size_t at = f; at < part->size(); at += fields) sum += (*part)[at];
+    }
+    return sum;
   }
+};
+
+/// Ends a part with y and x, begins the next with x and y, or both, plane by plane.
+void sweep_planes(const Grid& g, const Sides& sides, const Courant& courant, std::span<CellField* const> fields,
+                  bool end_part, bool begin_part, Outflow& outflow) {
+  const std::size_t grain = std::max(1, int(2 * row_grain) / g.ny);
+  parallel_chunks(g.nz, grain, [&](std::size_t first, std::size_t last) {
+    Sweeper sweeper(g, sides, courant);
+    for (std::size_t plane = first; plane < last; ++plane) {
+      const int k = static_cast<int>(plane);
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        float* q = fields[f]->data();
+        if (sweeper.empty_plane(q, k)) continue;
+        double& out = outflow.in_plane[plane * fields.size() + f];
+        if (end_part) {
+          out += sweeper.along_y(q, k, swept_z);
+          out += sweeper.along_x(q, k, swept_z | swept_y);
+        }
+        if (begin_part) {
+          out += sweeper.along_x(q, k, swept_none);
+          out += sweeper.along_y(q, k, swept_x);
+        }
+      }
+    }
+  });
+}
+
+/// Ends one part with z and begins the next, slab by slab.
+void sweep_slabs(const Grid& g, const Sides& sides, const Courant& courant, std::span<CellField* const> fields,
+                 Outflow& outflow) {
+  const std::size_t grain = std::max(1, int(2 * row_grain) / g.nz);
+  parallel_chunks(g.ny, grain, [&](std::size_t first, std::size_t last) {
+    Sweeper sweeper(g, sides, courant);
+    for (std::size_t slab = first; slab < last; ++slab) {
+      const int j = static_cast<int>(slab);
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        float* q = fields[f]->data();
+        if (sweeper.empty_slab(q, j)) continue;
+        double& out = outflow.in_slab[slab * fields.size() + f];
+        out += sweeper.along_z(q, j, swept_x | swept_y);
+        out += sweeper.along_z(q, j, swept_none);
+      }
+    }
+  });
 }
 
 }  // namespace
 
-TransportReport Transport::carry_conservative(std::span<CellField* const> fields) {
-  // Courant numbers of the faces; nothing crosses a closed one, whatever its wall does.
+/// Courant numbers of the faces; nothing crosses a closed one, whatever its wall does.
+void Transport::take_courant_numbers() {
   const Grid& g = grid_;
   for (int a = 0; a < 3; ++a) {
     const Int3 size = lattice_size(g, a);
-    courant_[a].resize(g.faces(a)), flux_[a].resize(g.faces(a));
+    courant_[a].resize(g.faces(a) + sweep_slack);
     parallel_for(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t row) {
       const int j = int(row % size[1]), k = int(row / size[1]);
-      float* c = courant_[a].data() + row * size[0];
+      float* __restrict c = courant_[a].data() + row * size[0];
       const float* u = flow_[a].data.data() + flow_[a].index(0, j, k);
       const std::uint8_t* closed = walls_->any ? walls_->closed[a].data() + row * size[0] : nullptr;
       const int along = a == 1 ? j : k;
       const bool whole_row = a != 0 && ((along == 0 && sides_[2 * a] == Side::closed) ||
                                         (along == g.size(a) && sides_[2 * a + 1] == Side::closed));
-      for (int i = 0; i < size[0]; ++i) c[i] = whole_row || (closed && closed[i]) ? 0.0F : u[i];
+      if (whole_row)
+        std::fill_n(c, size[0], 0.0F);
+      else if (closed)
+        for (int i = 0; i < size[0]; ++i) c[i] = closed[i] ? 0.0F : u[i];
+      else
+        std::copy_n(u, size[0], c);
       if (a == 0 && sides_[0] == Side::closed) c[0] = 0.0F;
       if (a == 0 && sides_[1] == Side::closed) c[g.nx] = 0.0F;
     });
   }
   join_periodic_faces(g, sides_, courant_);
-
-  // Cut the step until no cell gives away more than half of what it holds.
-  const double outflow =
-      parallel_max(std::size_t(g.ny) * g.nz, row_grain, 0.0, [&](std::size_t begin, std::size_t end) {
-        double most = 0.0;
-        for (std::size_t row = begin; row < end; ++row) {
-          const int j = int(row % g.ny), k = int(row / g.ny);
-          for (int i = 0; i < g.nx; ++i) {
-            const float out = std::max(courant_[0][g.face(0, i + 1, j, k)], 0.0F) +
-                              std::max(courant_[1][g.face(1, i, j + 1, k)], 0.0F) +
-                              std::max(courant_[2][g.face(2, i, j, k + 1)], 0.0F) -
-                              std::min(courant_[0][g.face(0, i, j, k)], 0.0F) -
-                              std::min(courant_[1][g.face(1, i, j, k)], 0.0F) -
-                              std::min(courant_[2][g.face(2, i, j, k)], 0.0F);
-            most = std::max(most, double(out));
-          }
-        }
-        return most;
-      });
-  TransportReport report;
-  const double wanted = std::ceil(outflow / most_out);
-  report.substeps = static_cast<int>(std::clamp(wanted, 1.0, double(most_substeps)));
-  const double part = std::min(1.0 / report.substeps, outflow > 0.0 ? most_out / outflow : 1.0);
-  for (auto& c : courant_) {
-    parallel_for(c.size(), 65536, [&](std::size_t f) { c[f] *= static_cast<float>(part); });
-  }
-
-  source_.resize(std::max<std::size_t>(source_.size(), 1));
-  for (CellField* field : fields) {
-    double out = 0.0;
-    source_[0].reshape(lattice_size(g, 3), two_ghosts);
-    for (int substep = 0; substep < report.substeps; ++substep) out += heun_stage_pair(*field);
-    report.out.push_back(out);
-  }
-  return report;
 }
 
-/// One Euler stage, q += (blend) of the flux balance of `q`; returns the outflow of the stage.
-double Transport::flux_stage(const CellField& before, CellField& q, bool second) {
+TransportReport Transport::carry_conservative(std::span<CellField* const> fields) {
   const Grid& g = grid_;
-  Padded& padded = source_[0];
-  padded.assign(q, 1.0F);
-  padded.fill_ghosts(scalar_ghosts(sides_));
-  for (int a = 0; a < 3; ++a) {
-    const Int3 size = lattice_size(g, a);
-    const std::ptrdiff_t line = a == 0 ? 1 : a == 1 ? size[0] : std::ptrdiff_t(size[0]) * size[1];
-    parallel_for(std::size_t(size[1]) * size[2], row_grain, [&](std::size_t row) {
-      const int j = int(row % size[1]), k = int(row / size[1]);
-      const int n = g.size(a), along = a == 1 ? j : k;
-      const float* c = courant_[a].data() + row * size[0];
-      const float* values = padded.data.data() + padded.index(0, j, k);
-      float* flux = flux_[a].data() + row * size[0];
-      // Outside the box the flow goes on as it crosses the side; across periodic sides, as at the other end.
-      const bool periodic = sides_[2 * a] == Side::periodic;
-      if (a != 0) {
-        const float* behind = along > 0 ? c - line : periodic ? c + (n - 1) * line : c;
-        const float* ahead = along < n ? c + line : periodic ? c - (n - 1) * line : c;
-        return flux_row(c, behind, ahead, values, padded.stride(a), flux, size[0]);
-      }
-      flux_row(c, periodic ? c + n - 1 : c, n > 0 ? c + 1 : c, values, 1, flux, 1);
-      flux_row(c + 1, c, c + 2, values + 1, 1, flux + 1, n - 1);
-      flux_row(c + n, c + n - 1, periodic ? c + 1 : c + n, values + n, 1, flux + n, 1);
-    });
-  }
-  join_periodic_faces(g, sides_, flux_);
-  parallel_for(std::size_t(g.ny) * g.nz, row_grain, [&](std::size_t row) {
-    const int j = int(row % g.ny), k = int(row / g.ny);
-    const float* fx = flux_[0].data() + g.face(0, 0, j, k);
-    const float* fy = flux_[1].data() + g.face(1, 0, j, k);
-    const float* fz = flux_[2].data() + g.face(2, 0, j, k);
-    const std::size_t up_y = g.nx, up_z = std::size_t(g.nx) * g.ny;
-    float* now = q.data() + row * g.nx;
-    const float* old = before.data() + row * g.nx;
-    for (int i = 0; i < g.nx; ++i) {
-      const float change = (fx[i] - fx[i + 1]) + (fy[i] - fy[i + up_y]) + (fz[i] - fz[i + up_z]);
-      now[i] = second ? 0.5F * (old[i] + (now[i] + change)) : now[i] + change;
-    }
-  });
-  return side_flux_sum();
-}
+  take_courant_numbers();
+  const double needed = parts_needed(g, courant_);
+  const int pairs = static_cast<int>(std::clamp(std::ceil(0.5 * needed), 1.0, 0.5 * most_parts));
+  const auto part = static_cast<float>(std::min(0.5 / pairs, needed > 0.0 ? 1.0 / needed : 1.0));
+  for (auto& c : courant_) parallel_for(c.size(), 65536, [&](std::size_t f) { c[f] *= part; });
 
-double Transport::heun_stage_pair(CellField& field) {
-  before_ = field;
-  const double first = flux_stage(before_, field, false);
-  return 0.5 * (first + flux_stage(before_, field, true));
-}
-
-double Transport::side_flux_sum() const {
-  double out = 0.0;
-  for (int s = 0; s < 6; ++s) {
-    if (sides_[s] != Side::open) continue;
-    const int a = s / 2;
-    Int3 low = {0, 0, 0}, high = lattice_size(grid_, a);
-    low[a] = s % 2 ? grid_.size(a) : 0;
-    high[a] = low[a] + 1;
-    for (int k = low[2]; k < high[2]; ++k) {
-      for (int j = low[1]; j < high[1]; ++j) {
-        for (int i = low[0]; i < high[0]; ++i) {
-          out += (s % 2 ? 1.0 : -1.0) * flux_[a][grid_.face(a, i, j, k)];
-        }
-      }
-    }
+  Outflow outflow{fields.size(), {}, {}};
+  outflow.in_plane.assign(fields.size() * g.nz, 0.0);
+  outflow.in_slab.assign(fields.size() * g.ny, 0.0);
+  for (int pair = 0; pair <= pairs; ++pair) {
+    sweep_planes(g, sides_, courant_, fields, pair > 0, pair < pairs, outflow);
+    if (pair < pairs) sweep_slabs(g, sides_, courant_, fields, outflow);
   }
-  return out;
+  TransportReport report;
+  report.substeps = 2 * pairs;
+  for (std::size_t f = 0; f < fields.size(); ++f) report.out.push_back(outflow.total(f));
+  return report;
 }
 
 }  // namespace wick::fluid

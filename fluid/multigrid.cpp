@@ -77,10 +77,14 @@ void Multigrid::set_walls(const Walls& walls, const std::vector<Graph::WeakFace>
   Grid grid{.nx = layout.nx, .ny = layout.ny, .nz = layout.nz};
   build_finest(grid, walls, weak, graphs_[0]);
   for (std::size_t l = 0; l + 1 < graphs_.size(); ++l) build_coarser(graphs_[l], graphs_[l + 1]);
-  for (std::size_t l = 0; l < graphs_.size(); ++l) install_level(graphs_[l], levels_[l], installed_[l]);
-  for (std::size_t l = 0; l + 1 < graphs_.size(); ++l)
+  // Levels do not touch one another, nor do their transfer lists; the first and finest ones take longest.
+  parallel_for(graphs_.size() + 1, 1, [&](std::size_t l) {
+    if (l < graphs_.size()) return install_level(graphs_[l], levels_[l], installed_[l]);
+    part_ = closed_parts(graphs_, weak, parts_);
+  });
+  parallel_for(graphs_.size() - 1, 1, [&](std::size_t l) {
     install_transfer(graphs_[l], installed_[l], levels_[l], graphs_[l + 1], installed_[l + 1], levels_[l + 1]);
-  part_ = closed_parts(graphs_, parts_);
+  });
 }
 
 void Multigrid::subtract_part_means(std::vector<double>& field, double* removed) const {
@@ -144,6 +148,14 @@ void Multigrid::store(const Coloured<double>& in, double scale, std::vector<doub
   });
 }
 
+/// r += factor E p, with p at the cells of the term.
+void Multigrid::add_term(const MovableTerm& extra, double factor, const std::vector<double>& at_cells) {
+  std::vector<double> product(at_cells.size(), 0.0);
+  extra.add_product(at_cells, factor, product);
+  for (std::size_t c = 0; c < product.size(); ++c)
+    r_[extra.cells()[c].colour][extra.cells()[c].place] += product[c];
+}
+
 /// r = scale f - A x, b = r; returns |r|².
 double Multigrid::update_residual(const std::vector<double>& f, double scale, const MovableTerm* extra) {
   Level& level = levels_[0];
@@ -159,7 +171,7 @@ double Multigrid::update_residual(const std::vector<double>& f, double scale, co
       for (int m = 0; m < layout.count(o); ++m) r[m] -= product[m];
     });
   });
-  if (extra != nullptr) extra->add_product(x_, -1.0, r_);
+  if (extra != nullptr) add_term(*extra, -1.0, extra->gather(x_));
   subtract_part_means(r_);
   return sum_planes(layout, [&](int k) {
     Lanes lanes;
@@ -204,14 +216,16 @@ double Multigrid::turn_direction(double beta, const MovableTerm* extra) {
   }
   double sum = 0.0;
   for (const double part : partial) sum += part;
-  return extra != nullptr ? sum + extra->quadratic(direction_) : sum;
+  if (layer_) layer_->turn(beta);
+  return extra != nullptr ? sum + extra->quadratic(layer_ ? layer_->direction() : extra->gather(direction_)) : sum;
 }
 
 /// x += alpha d, r -= alpha A d, b = r; returns |r|². A d is formed again: cheaper than keeping it.
 double Multigrid::advance(double alpha, const MovableTerm* extra) {
   Level& level = levels_[0];
   const Layout& layout = level.layout;
-  if (extra != nullptr) extra->add_product(direction_, -alpha, r_);
+  if (extra != nullptr) add_term(*extra, -alpha, layer_ ? layer_->direction() : extra->gather(direction_));
+  if (layer_) layer_->advance(alpha, direction_, x_, r_);
   std::vector<double> partial(layout.nz);
   parallel_for(layout.nz, plane_grain(layout), [&](std::size_t plane) {
     const int k = static_cast<int>(plane);
@@ -236,6 +250,13 @@ double Multigrid::advance(double alpha, const MovableTerm* extra) {
   return sum;
 }
 
+/// z of the residual: one cycle, then the cells beside light masses exactly.
+void Multigrid::precondition() {
+  v_cycle(levels_);
+  if (!layer_) return;
+  layer_->correct(r_, levels_[0].p);
+}
+
 /// r·z with the float r that the preconditioner has seen.
 double Multigrid::preconditioned_product() const {
   const Level& level = levels_[0];
@@ -255,7 +276,7 @@ int Multigrid::iterate(const std::vector<double>& f, double scale, const Movable
   double last_product = 0.0, last_exact = residual, least = residual;
   bool exact = true, kept = false;
   while (iterations < max_iterations && residual > target) {
-    v_cycle(levels_);
+    precondition();
     const double product = preconditioned_product();
     const double curvature = turn_direction(last_product > 0.0 ? product / last_product : 0.0, extra);
     // Rounding has used up the direction, or something is not finite: what was reached is what there is.
@@ -324,6 +345,17 @@ SolveReport Multigrid::solve(std::vector<double>& f, std::vector<double>& p, con
     residual = update_residual(f, scale, nullptr);
   }
   report.residual_before = std::sqrt(residual / norm);
+  layer_.reset();
+  if (extra != nullptr && extra->light()) {
+    // Begin with no residual in the layer: only then is the preconditioner of pressure_layer.h symmetric.
+    layer_.emplace(levels_[0], *extra);
+    for (auto* field : {&levels_[0].p, &direction_})
+      for (auto& values : *field) std::fill(values.begin(), values.end(), 0.0F);
+    layer_->correct(r_, levels_[0].p);
+    layer_->turn(0.0);
+    layer_->advance(1.0, direction_, x_, r_);
+    residual = update_residual(f, scale, extra);
+  }
   report.iterations = iterate(f, scale, extra, tolerance * tolerance * norm, max_iterations, residual);
   report.residual_after = std::sqrt(residual / norm);
   report.converged = report.residual_after <= tolerance * (1.0 + 1e-12);

@@ -4,8 +4,11 @@
 ///   sum over the open faces of a cell of (p_c - p_nb)  [+ E p]  = f_c
 ///
 /// with p = 0 on open sides. E is the optional term of masses that move behind closed faces.
+#include <optional>
+
 #include "core/report.h"
 #include "fluid/multigrid_install.h"
+#include "fluid/pressure_layer.h"
 #include "fluid/pressure_movable.h"
 
 namespace wick::fluid {
@@ -29,8 +32,10 @@ class Multigrid {
   void store(const Coloured<double>& in, double scale, std::vector<double>& field) const;
   void subtract_part_means(Coloured<double>& field) const;
   double update_residual(const std::vector<double>& f, double scale, const MovableTerm* extra);
+  void add_term(const MovableTerm& extra, double factor, const std::vector<double>& at_cells);
   double turn_direction(double beta, const MovableTerm* extra);
   double advance(double alpha, const MovableTerm* extra);
+  void precondition();
   double preconditioned_product() const;
   int iterate(const std::vector<double>& f, double scale, const MovableTerm* extra, double target,
               int max_iterations, double& residual);
@@ -43,6 +48,7 @@ class Multigrid {
   Coloured<double> x_, r_;
   Coloured<double> best_;  ///< x of the least true residual, once there was a fresh start
   Coloured<float> direction_;
+  std::optional<WallLayer> layer_;  ///< beside light masses, for the solve under way
 };
 
 }  // namespace wick::fluid

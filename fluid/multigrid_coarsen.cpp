@@ -9,6 +9,8 @@ namespace wick::fluid {
 namespace {
 
 constexpr std::size_t grain = 128;
+/// Area of a weak link from which its ends are more one than two: half the resistance is gas.
+constexpr float strong = 0.5F;
 
 /// Records made by one chunk of boxes, to be appended in the order of the chunks.
 struct Batch {
@@ -88,7 +90,8 @@ class BoxSplitter {
       if (member.node >= 0) {
         const Graph::Node& node = fine_.nodes[member.node];
         for (std::uint32_t l = node.link_begin; l < node.link_end; ++l)
-          join(m, box, fine_.links[l].box, fine_.links[l].local);
+          if (!fine_.links[l].weak || fine_.links[l].area >= strong)
+            join(m, box, fine_.links[l].box, fine_.links[l].local);
         continue;
       }
       const Int3 at = fine_.place(member.box);
@@ -177,7 +180,8 @@ class Linker {
       const Int3 at = fine_.place(child);
       for (int side = 0; side < 6; ++side)
         if (const std::int32_t other = fine_.beside(at, side); other >= 0)
-          add(record, record.child_local[q], side, other, 0, 1.0F);
+          add(record, record.child_local[q], other,
+              {.box = other, .local = 0, .area = 1.0F, .weight = 1.0F, .side = std::uint8_t(side), .weak = false});
       return;
     }
     const Graph::Record& finer = fine_.records[fine_.state[child]];
@@ -185,36 +189,39 @@ class Linker {
       const Graph::Node& node = fine_.nodes[finer.node_begin + m];
       for (std::uint32_t l = node.link_begin; l < node.link_end; ++l) {
         const Graph::Link& link = fine_.links[l];
-        add(record, node.parent, link.side, link.box, link.local, link.area);
+        add(record, node.parent, link.box, link);
       }
     }
   }
 
-  void add(const Graph::Record& record, std::int32_t local, int side, std::int32_t other, std::int32_t other_local,
-           float area) {
+  /// Adds a finer link that leads from node `local` of the record to the finer box `other`.
+  void add(const Graph::Record& record, std::int32_t local, std::int32_t other, const Graph::Link& finer) {
     const Int3 at = fine_.place(other);
     const std::int32_t parent = coarse_.box({at[0] / 2, at[1] / 2, at[2] / 2});
     if (parent == record.box) return;
     std::int32_t parent_local = 0;
-    if (const std::int64_t node = fine_.node_of(other, other_local); node >= 0)
+    if (const std::int64_t node = fine_.node_of(other, finer.local); node >= 0)
       parent_local = fine_.nodes[node].parent;
     else if (coarse_.state[parent] >= 0) {
       const int q = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
       parent_local = coarse_.records[coarse_.state[parent]].child_local[q];
     }
-    float lateral = 1.0F;
+    // A film that resists less than gas (a > 1) is felt along it, where areas add up as they do for gas.
+    float area = finer.weak && finer.area < 1.0F ? 2.0F * finer.area / (1.0F + finer.area) : finer.area;
     for (int a = 0; a < 3; ++a)
-      if (a != side / 2 && fine_.halves[a]) lateral *= 0.5F;
+      if (a != finer.side / 2 && fine_.halves[a]) area *= 0.5F;
     for (Graph::Link& link : found_[local])
-      if (link.side == side && link.box == parent && link.local == parent_local) {
-        link.area += lateral * area;
+      if (link.side == finer.side && link.box == parent && link.local == parent_local) {
+        link.area += area;
+        link.weak = link.weak && finer.weak;
         return;
       }
     found_[local].push_back({.box = parent,
                              .local = parent_local,
-                             .area = lateral * area,
+                             .area = area,
                              .weight = 0.0F,
-                             .side = static_cast<std::uint8_t>(side)});
+                             .side = finer.side,
+                             .weak = finer.weak});
   }
 
   void finish(Graph::Node& node, std::int32_t local, std::vector<Graph::Link>& out) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "core/parallel.h"
 
@@ -105,6 +106,17 @@ class FaceMap {
     return weak(a, face) + (twice ? weak(a, twin) : 0.0F);
   }
 
+  /// Whether a face of positive area is a weak one.
+  [[nodiscard]] bool yields(const Int3& at, int side) const {
+    const int a = side / 2;
+    Int3 face = at;
+    face[a] += side % 2;
+    if (closed(a, face)) return true;
+    if (!graph_.wraps[a] || (face[a] != 0 && face[a] != graph_.n[a])) return false;
+    face[a] = graph_.n[a] - face[a];
+    return closed(a, face);
+  }
+
   /// Cells of row (j, k) that are solid or have a closed face, appended to `cells`. `marks` is work space.
   void touched_in_row(int j, int k, std::vector<std::uint8_t>& marks, std::vector<std::int32_t>& cells) const {
     const int nx = grid_.nx;
@@ -206,13 +218,61 @@ void build_finest(const Grid& grid, const Walls& walls, const std::vector<Graph:
       if (other < 0)
         node.outside[side] = area;
       else if (area > 0.0F)
-        graph.links[node.link_end++] = {
-            .box = other, .local = 0, .area = area, .weight = area, .side = static_cast<std::uint8_t>(side)};
+        graph.links[node.link_end++] = {.box = other,
+                                        .local = 0,
+                                        .area = area,
+                                        .weight = area,
+                                        .side = static_cast<std::uint8_t>(side),
+                                        .weak = faces.yields(at, side)};
     }
   });
 }
 
-std::vector<std::int32_t> closed_parts(const std::vector<Graph>& graphs, int& parts) {
+namespace {
+
+/// Cells on the two sides of a face; -1: outside the box.
+std::array<std::int32_t, 2> cells_beside(const Graph& graph, const Graph::WeakFace& weak) {
+  const int a = weak.axis;
+  const std::int64_t nx = graph.n[0] + (a == 0), ny = graph.n[1] + (a == 1);
+  Int3 high = {int(weak.face % nx), int(weak.face / nx % ny), int(weak.face / (nx * ny))}, low = high;
+  --low[a];
+  if (graph.wraps[a] && low[a] < 0) low[a] = graph.n[a] - 1;
+  if (graph.wraps[a] && high[a] == graph.n[a]) high[a] = 0;
+  return {low[a] < 0 ? -1 : graph.box(low), high[a] == graph.n[a] ? -1 : graph.box(high)};
+}
+
+/// Makes one of parts that have a weak face between them; what such a face joins to an open part is open.
+void merge_parts(const Graph& finest, const std::vector<Graph::WeakFace>& weak, std::vector<std::int32_t>& part,
+                 int& parts) {
+  // The last entry stands for the open part.
+  std::vector<std::int32_t> root(parts + 1);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int32_t n) {
+    while (root[n] != n) n = root[n];
+    return n;
+  };
+  for (const Graph::WeakFace& face : weak) {
+    if (face.weight <= 0.0F) continue;
+    const auto [low, high] = cells_beside(finest, face);
+    const auto part_of = [&](std::int32_t c) { return find(c >= 0 && part[c] >= 0 ? part[c] : parts); };
+    const std::int32_t a = part_of(low), b = part_of(high);
+    root[std::min(a, b)] = std::max(a, b);
+  }
+  std::vector<std::int32_t> number(parts + 1, -1);
+  int left = 0;
+  for (std::int32_t n = 0; n < parts; ++n)
+    if (root[n] == n) number[n] = left++;
+  for (std::int32_t n = 0; n < parts; ++n) number[n] = number[find(n)];
+  for (std::int32_t& p : part)
+    if (p >= 0) p = number[p];
+  parts = left;
+  if (parts == 0) part.clear();
+}
+
+}  // namespace
+
+std::vector<std::int32_t> closed_parts(const std::vector<Graph>& graphs, const std::vector<Graph::WeakFace>& weak,
+                                       int& parts) {
   parts = 0;
   const Graph& last = graphs.back();
   const auto any_outside = [](const Graph::Node& node) {
@@ -253,6 +313,7 @@ std::vector<std::int32_t> closed_parts(const std::vector<Graph>& graphs, int& pa
     node_label.swap(finer_node);
   }
   if (graphs.size() == 1 && !node_label.empty()) box_label[0] = node_label[0];
+  merge_parts(graphs.front(), weak, box_label, parts);
   return box_label;
 }
 

@@ -6,6 +6,8 @@
 /// the box. So no coarse node ever reaches through a wall, however the sheet is bent, and on the last level,
 /// a single box, the nodes are the connected parts of the fluid.
 ///   link area     a = mean of the finer areas             (1 when nothing is in the way)
+///   weak faces    a -> 2a/(1 + a) before the mean: a film whose resistance 1/a - 1, in boxes of gas, halves as
+///                 boxes double; nodes on its two sides are one from a = ½ on
 ///   link weight   a / distance of the two centroids along the axis of the face
 /// in units of the level's box. The weight is the finite-volume coefficient; plain sums over piecewise
 /// constant aggregates would be too large by a factor of 2 a level [Braess 1995].
@@ -23,6 +25,7 @@ struct Graph {
     std::int32_t box, local;  ///< node at the other end
     float area, weight;
     std::uint8_t side;  ///< -x, +x, -y, +y, -z, +z
+    bool weak = false;  ///< leads through weak faces only
   };
   struct Node {
     float volume = 1.0F;
@@ -83,7 +86,9 @@ void build_finest(const Grid& grid, const Walls& walls, const std::vector<Graph:
 void build_coarser(Graph& fine, Graph& coarse);
 
 /// Number of the connected part that each cell lies in, counting only parts without an open side; -1: a part
-/// with an open side, or solid. `parts` receives how many there are; empty when there is none.
-std::vector<std::int32_t> closed_parts(const std::vector<Graph>& graphs, int& parts);
+/// with an open side, or solid. `parts` receives how many there are; empty when there is none. Parts with a weak
+/// face between them are one.
+std::vector<std::int32_t> closed_parts(const std::vector<Graph>& graphs, const std::vector<Graph::WeakFace>& weak,
+                                       int& parts);
 
 }  // namespace wick::fluid

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 namespace wick::fluid {
@@ -15,88 +16,126 @@ float dyadic(double w) {
   return static_cast<float>(std::ldexp(std::clamp(std::round(std::ldexp(w, 16)), 1.0, std::ldexp(1.0, 23)), -16));
 }
 
+/// Face coefficient from which masses count as light: above it the jumps of faces that hang on one mass tell.
+constexpr double light_weight = 0.05;
+/// Largest coefficient that the multigrid gets to see where light masses are solved for exactly beside it: more
+/// would only make it trust W where T does not follow it, less would close faces that are all but open.
+constexpr double most_weight = 4.0;
+
+/// Finds the cells on both sides of faces, and leaves out the faces that no pressure can push.
+class RowFinder {
+ public:
+  RowFinder(const Grid& grid, const Sides& sides, const Walls& walls) : grid_(grid), sides_(sides), walls_(walls) {}
+
+  [[nodiscard]] std::optional<MovableTerm::Row> find(const MovableWalls& movable, std::size_t r) const {
+    const int a = movable.axis[r], n = grid_.size(a);
+    Int3 high = place(a, movable.face[r]), low = high;
+    --low[a];
+    MovableTerm::Row row{};
+    row.axis = movable.axis[r];
+    row.face = movable.face[r];
+    row.twin = row.low = row.high = -1;
+    row.dof = movable.dof[r];
+    row.weight = movable.weight[r];
+    // A periodic face is stored twice and named by its lower copy.
+    if (sides_[2 * a] == Side::periodic && (high[a] == 0 || high[a] == n)) {
+      if (n == 1) return {};
+      high[a] = n;
+      row.twin = std::int64_t(grid_.face(a, high[0], high[1], high[2]));
+      high[a] = 0;
+      row.face = std::int64_t(grid_.face(a, high[0], high[1], high[2]));
+      low[a] = n - 1;
+    }
+    if (walls_.closed[a][movable.face[r]] == 0) return {};
+    if (low[a] < 0 ? sides_[2 * a] == Side::closed : !join(low, row.low)) return {};
+    if (high[a] >= n ? sides_[2 * a + 1] == Side::closed : !join(high, row.high)) return {};
+    return row;
+  }
+
+ private:
+  [[nodiscard]] Int3 place(int a, std::int64_t face) const {
+    const std::int64_t nx = grid_.nx + (a == 0), ny = grid_.ny + (a == 1);
+    return {int(face % nx), int(face / nx % ny), int(face / (nx * ny))};
+  }
+  /// Fills in the cell on one side of a row; false where it is solid.
+  bool join(const Int3& at, std::int64_t& cell) const {
+    cell = std::int64_t(grid_.cell(at[0], at[1], at[2]));
+    return walls_.solid[cell] == 0;
+  }
+
+  const Grid& grid_;
+  const Sides& sides_;
+  const Walls& walls_;
+};
+
 }  // namespace
 
 MovableTerm::MovableTerm(const Grid& grid, const Sides& sides, const Walls& walls, const MovableWalls& movable,
                          double density)
     : grid_(grid), coefficient_(density * grid.h * grid.h * grid.h), inverse_mass_(movable.inverse_mass) {
-  const Layout layout({grid.nx, grid.ny, grid.nz});
+  const RowFinder finder(grid, sides, walls);
   std::set<std::pair<int, std::int64_t>> seen;
-  for (std::size_t r = 0; r < movable.face.size(); ++r) {
-    const int a = movable.axis[r];
-    const std::int64_t face = movable.face[r];
-    const Int3 faces = {grid.nx + (a == 0), grid.ny + (a == 1), grid.nz + (a == 2)};
-    Int3 high = {int(face % faces[0]), int(face / faces[0] % faces[1]),
-                 int(face / (std::int64_t(faces[0]) * faces[1]))};
-    Int3 low = high;
-    --low[a];
-    Row row{.axis = movable.axis[r],
-            .face = face,
-            .twin = -1,
-            .low = -1,
-            .high = -1,
-            .low_at = 0,
-            .high_at = 0,
-            .low_colour = 0,
-            .high_colour = 0,
-            .dof = movable.dof[r],
-            .weight = movable.weight[r]};
-
-    // Find the cells on both sides; a periodic face is stored twice and named by its lower copy.
-    const int n = grid.size(a);
-    if (sides[2 * a] == Side::periodic && (high[a] == 0 || high[a] == n)) {
-      if (n == 1) continue;
-      high[a] = 0;
-      low[a] = n - 1;
-      Int3 first = high, last = high;
-      last[a] = n;
-      row.face = std::int64_t(grid.face(a, first[0], first[1], first[2]));
-      row.twin = std::int64_t(grid.face(a, last[0], last[1], last[2]));
-    }
-    const bool below = low[a] < 0, above = high[a] >= n;
-    if ((below && sides[2 * a] == Side::closed) || (above && sides[2 * a + 1] == Side::closed)) continue;
-    if (!below) row.low = std::int64_t(grid.cell(low[0], low[1], low[2]));
-    if (!above) row.high = std::int64_t(grid.cell(high[0], high[1], high[2]));
-    if ((row.low >= 0 && walls.solid[row.low]) || (row.high >= 0 && walls.solid[row.high])) continue;
-    const bool closed = walls.closed[a][face] != 0;
-    if (!closed || !seen.insert({a, row.face}).second) continue;
-
-    if (!below) {
-      row.low_colour = static_cast<std::uint8_t>(Layout::colour(low[0], low[1], low[2]));
-      row.low_at = static_cast<std::uint32_t>(layout.place(low[0], low[1], low[2]));
-    }
-    if (!above) {
-      row.high_colour = static_cast<std::uint8_t>(Layout::colour(high[0], high[1], high[2]));
-      row.high_at = static_cast<std::uint32_t>(layout.place(high[0], high[1], high[2]));
-    }
-    rows_.push_back(row);
-  }
+  for (std::size_t r = 0; r < movable.face.size(); ++r)
+    if (const std::optional<Row> row = finder.find(movable, r); row && seen.insert({row->axis, row->face}).second)
+      rows_.push_back(*row);
+  index_cells();
   jump_.resize(rows_.size());
   push_.assign(inverse_mass_.size(), Vec3::Zero());
+  find_weak_faces();
+}
 
-  // Row sums of N M⁻¹ Nᵀ, axis by axis: velocities along different axes do not mix.
+void MovableTerm::index_cells() {
+  const Layout layout({grid_.nx, grid_.ny, grid_.nz});
+  std::vector<std::int64_t> numbers;
   for (const Row& row : rows_)
-    for (int k = 0; k < 3; ++k) push_[row.dof[k]][row.axis] += row.weight[k];
-  for (const Row& row : rows_) {
-    double sum = 0.0;
-    for (int k = 0; k < 3; ++k) sum += row.weight[k] * inverse_mass_[row.dof[k]] * push_[row.dof[k]][row.axis];
-    weak_.push_back({row.axis, row.face, dyadic(coefficient_ * sum)});
+    for (const std::int64_t cell : {row.low, row.high})
+      if (cell >= 0) numbers.push_back(cell);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  for (const std::int64_t number : numbers) {
+    const int i = int(number % grid_.nx), j = int(number / grid_.nx % grid_.ny);
+    const int k = int(number / (std::int64_t(grid_.nx) * grid_.ny));
+    cells_.push_back({number, static_cast<std::uint32_t>(layout.place(i, j, k)),
+                      static_cast<std::uint8_t>(Layout::colour(i, j, k))});
+  }
+  for (Row& row : rows_) {
+    row.low_slot = slot(row.low);
+    row.high_slot = slot(row.high);
   }
 }
 
-template <class T>
-void MovableTerm::spread_jumps(const Coloured<T>& p) const {
+std::int32_t MovableTerm::slot(std::int64_t cell) const {
+  const auto at = std::lower_bound(cells_.begin(), cells_.end(), cell,
+                                   [](const Cell& c, std::int64_t number) { return c.number < number; });
+  return at != cells_.end() && at->number == cell ? static_cast<std::int32_t>(at - cells_.begin()) : -1;
+}
+
+/// W from the row sums of N M⁻¹ Nᵀ, axis by axis: velocities along different axes do not mix.
+void MovableTerm::find_weak_faces() {
+  for (const Row& row : rows_)
+    for (int k = 0; k < 3; ++k) push_[row.dof[k]][row.axis] += row.weight[k];
+  std::vector<double> weight;
+  for (const Row& row : rows_) {
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k) sum += row.weight[k] * inverse_mass_[row.dof[k]] * push_[row.dof[k]][row.axis];
+    weight.push_back(coefficient_ * sum);
+    light_ = light_ || weight.back() > light_weight;
+  }
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    weak_.push_back(
+        {rows_[r].axis, rows_[r].face, dyadic(light_ ? weight[r] / (1.0 + weight[r] / most_weight) : weight[r])});
+}
+
+void MovableTerm::spread_jumps(const std::vector<double>& p) const {
   for (Vec3& push : push_) push.setZero();
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
-    const double low = row.low >= 0 ? double(p[row.low_colour][row.low_at]) : 0.0;
-    const double high = row.high >= 0 ? double(p[row.high_colour][row.high_at]) : 0.0;
-    jump_[r] = low - high;
+    jump_[r] = (row.low_slot >= 0 ? p[row.low_slot] : 0.0) - (row.high_slot >= 0 ? p[row.high_slot] : 0.0);
     for (int k = 0; k < 3; ++k) push_[row.dof[k]][row.axis] += row.weight[k] * jump_[r];
   }
 }
 
-double MovableTerm::quadratic(const Coloured<float>& p) const {
+double MovableTerm::quadratic(const std::vector<double>& p) const {
   spread_jumps(p);
   double sum = 0.0;
   for (std::size_t d = 0; d < push_.size(); ++d) sum += coefficient_ * inverse_mass_[d] * push_[d].squaredNorm();
@@ -104,20 +143,27 @@ double MovableTerm::quadratic(const Coloured<float>& p) const {
   return sum;
 }
 
-template <class T>
-void MovableTerm::add_product(const Coloured<T>& p, double factor, Coloured<double>& out) const {
+void MovableTerm::add_product(const std::vector<double>& p, double factor, std::vector<double>& out) const {
   spread_jumps(p);
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
     double flow = 0.0;
     for (int k = 0; k < 3; ++k) flow += row.weight[k] * inverse_mass_[row.dof[k]] * push_[row.dof[k]][row.axis];
     const double value = factor * (coefficient_ * flow - double(weak_[r].weight) * jump_[r]);
-    if (row.low >= 0) out[row.low_colour][row.low_at] += value;
-    if (row.high >= 0) out[row.high_colour][row.high_at] -= value;
+    if (row.low_slot >= 0) out[row.low_slot] += value;
+    if (row.high_slot >= 0) out[row.high_slot] -= value;
   }
 }
-template void MovableTerm::add_product(const Coloured<float>&, double, Coloured<double>&) const;
-template void MovableTerm::add_product(const Coloured<double>&, double, Coloured<double>&) const;
+
+template <class T>
+std::vector<double> MovableTerm::gather(const Coloured<T>& p) const {
+  std::vector<double> values;
+  values.reserve(cells_.size());
+  for (const Cell& cell : cells_) values.push_back(double(p[cell.colour][cell.place]));
+  return values;
+}
+template std::vector<double> MovableTerm::gather(const Coloured<float>&) const;
+template std::vector<double> MovableTerm::gather(const Coloured<double>&) const;
 
 void MovableTerm::add_impulse(const std::vector<double>& p, double dt, std::vector<Vec3>& impulse) const {
   impulse.resize(inverse_mass_.size(), Vec3::Zero());

@@ -6,8 +6,9 @@
 /// q_r = p_low - p_high pushes face r along its axis, Nᵀ spreads it to the masses, M⁻¹ makes velocities of them, N
 /// brings those back to the faces, D to the cells. The preconditioner knows T as faces of coefficient
 ///   w_r = ρ h³ sum_k weight_rk / m_k  sum_s weight_sk      (row sums of N M⁻¹ Nᵀ: T is at most that)
-/// that is, a sheet of mass m an area is a layer of gas of density m/h [after the added-mass argument of
-/// Chentanez 2006, section 4]. Solved is E = T - W on top of the matrix with faces W.
+/// that is, a sheet of mass m an area is a layer of gas of density m/h. Solved is E = T - W on top of the matrix
+/// with faces W. Where masses are light against the gas of a cell, T of jumps that change from face to face is far
+/// below W: W is then bounded, and pressure_layer.h makes up for the difference.
 #include "fluid/multigrid_graph.h"
 #include "fluid/multigrid_layout.h"
 #include "fluid/walls.h"
@@ -16,14 +17,44 @@ namespace wick::fluid {
 
 class MovableTerm {
  public:
+  /// A cell beside a face that yields to pressure.
+  struct Cell {
+    std::int64_t number;
+    std::uint32_t place;  ///< in the arrays of its colour
+    std::uint8_t colour;
+  };
+  /// One such face and the masses that it hangs on.
+  struct Row {
+    std::uint8_t axis;
+    std::int64_t face, twin;           ///< twin: second copy of a periodic face, or -1
+    std::int64_t low, high;            ///< cells, -1: outside an open side
+    std::int32_t low_slot, high_slot;  ///< the same among cells()
+    std::array<std::int32_t, 3> dof;
+    std::array<double, 3> weight;
+  };
+
   /// Rows on open faces, on closed sides of the box, or beside a solid cell do not take part; of several rows
   /// on one face only the first does.
   MovableTerm(const Grid& grid, const Sides& sides, const Walls& walls, const MovableWalls& movable,
               double density);
 
+  [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
+  [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }  ///< ascending
+  /// Place of a cell among cells(), or -1.
+  [[nodiscard]] std::int32_t slot(std::int64_t cell) const;
+  /// W, one face a row.
   [[nodiscard]] const std::vector<Graph::WeakFace>& weak_faces() const { return weak_; }
-  /// p·E p.
-  [[nodiscard]] double quadratic(const Coloured<float>& p) const;
+  [[nodiscard]] const std::vector<double>& inverse_mass() const { return inverse_mass_; }
+  [[nodiscard]] double coefficient() const { return coefficient_; }  ///< ρ h³ [kg]
+  /// True when W alone is no good picture of T: the preconditioner should solve the cells beside the walls exactly.
+  [[nodiscard]] bool light() const { return light_; }
+  /// p·E p, with p at cells().
+  [[nodiscard]] double quadratic(const std::vector<double>& p) const;
+  /// out += factor E p, both at cells().
+  void add_product(const std::vector<double>& p, double factor, std::vector<double>& out) const;
+  /// The values of a field at cells().
+  template <class T>
+  [[nodiscard]] std::vector<double> gather(const Coloured<T>& p) const;
   /// out += factor E p.
   template <class T>
   void add_product(const Coloured<T>& p, double factor, Coloured<double>& out) const;
@@ -33,23 +64,16 @@ class MovableTerm {
   void move_faces(const std::vector<Vec3>& impulse, FaceField& velocity) const;
 
  private:
-  struct Row {
-    std::uint8_t axis;
-    std::int64_t face, twin;  ///< twin: second copy of a periodic face, or -1
-    std::int64_t low, high;   ///< cells, -1: outside an open side
-    std::uint32_t low_at, high_at;
-    std::uint8_t low_colour, high_colour;
-    std::array<std::int32_t, 3> dof;
-    std::array<double, 3> weight;
-  };
-
-  template <class T>
-  void spread_jumps(const Coloured<T>& p) const;
+  void find_weak_faces();
+  void index_cells();
+  void spread_jumps(const std::vector<double>& p) const;
 
   Grid grid_;
-  double coefficient_;  ///< ρ h³
+  double coefficient_;
   std::vector<Row> rows_;
+  std::vector<Cell> cells_;
   std::vector<Graph::WeakFace> weak_;
+  bool light_ = false;
   std::vector<double> inverse_mass_;
   mutable std::vector<double> jump_;  ///< per row
   mutable std::vector<Vec3> push_;    ///< per dof

@@ -80,7 +80,7 @@ void AirBox::carry_scalars(SmokeState& state, SmokeStepReport& report) {
   report.heat_out += capacity * carried.out[1];
   // Flame is an indicator, not a stuff: beside walls that close in, transport would pile it above 1.
   parallel_for(state.flame.size(), 1 << 16,
-               [&](std::size_t c) { state.flame[c] = std::min(state.flame[c], 1.0F); });
+               [&](std::size_t c) { state.flame[c] = std::clamp(state.flame[c], 0.0F, 1.0F); });
   report.smoke_advection = volume * (sum(state.density) - smoke + carried.out[0]);
   report.heat_advection = capacity * (sum(state.temperature) - heat + carried.out[1]);
 }

@@ -1,7 +1,6 @@
 #include "fluid/wall_map.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "core/parallel.h"
 
@@ -48,34 +47,6 @@ bool WallMap::closed_face(int axis, const Int3& face) const {
   Int3 cell = face;
   --cell[axis];
   return !passable(cell, axis, 1);
-}
-
-bool WallMap::all_open(const Int3& low, const Int3& high) const {
-  Int3 from, to;
-  for (int a = 0; a < 3; ++a) {
-    if (periodic_[a] && (low[a] < 0 || high[a] >= size_[a])) return false;
-    from[a] = std::max(low[a], ghost_low_[a]);
-    to[a] = std::min(high[a], ghost_high_[a]);
-  }
-  const int width = to[0] - from[0] + 1;
-  if (width > 8) return false;
-  if (width < 1) return true;
-
-  // Look at up to eight cells at once: of those doors that lead to another cell of the box, none may be shut.
-  const std::uint64_t cells = 0x0101010101010101U & (~std::uint64_t{0} >> (8 * (8 - width)));
-  const std::uint64_t along_x = cells >> 8 << 1, along_y = cells << 3, along_z = cells << 5;
-  std::uint64_t shut = 0;
-  for (int k = from[2]; k <= to[2]; ++k) {
-    const std::uint64_t need = along_x | (k < to[2] ? along_z : 0);
-    const std::uint8_t* row = open_.data() + std::size_t(from[0] + pad) + stride_y_ * std::size_t(from[1] + pad) +
-                              stride_z_ * std::size_t(k + pad);
-    for (int j = from[1]; j <= to[1]; ++j, row += stride_y_) {
-      std::uint64_t open;
-      std::memcpy(&open, row, sizeof open);
-      shut |= (need | (j < to[1] ? along_y : 0)) & ~open;
-    }
-  }
-  return shut == 0;
 }
 
 /// Doors and first marks of clearance of one row of cells.
@@ -197,9 +168,9 @@ void WallMap::set(const Walls& walls, int reach) {
     for (auto* marks : {&clear_, &other_}) marks->assign(grid_.cells() + 2 * slack, 0);
     for (auto* rows : {&near_row_, &other_row_}) rows->assign(std::size_t(grid_.ny) * grid_.nz, 0);
   }
-  const auto far = static_cast<std::uint8_t>(reach + 1);
+  far_ = static_cast<std::uint8_t>(reach + 1);
   parallel_for(std::size_t(grid_.ny) * grid_.nz, row_grain,
-               [&](std::size_t row) { close_row(walls, int(row % grid_.ny), int(row / grid_.ny), far); });
+               [&](std::size_t row) { close_row(walls, int(row % grid_.ny), int(row / grid_.ny), far_); });
   close_ghost_doors(walls);
   for (int a = 0; a < 3; ++a) spread(a, reach);
 }

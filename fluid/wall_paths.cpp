@@ -35,13 +35,17 @@ WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& di
   }
   // Cross faces in the order in which the line meets them; `travelled` is the part of it done.
   float travelled = 0.0F;
+  std::array<float, 3> inverse;
+  for (int a = 0; a < 3; ++a) inverse[a] = 1.0F / d[a];
   while (true) {
     int axis = -1;
     float next = 1.0F;
     for (int a = 0; a < 3; ++a) {
       if (d[a] == 0.0F) continue;
       const float face = static_cast<float>(at.cell[a] + (d[a] > 0.0F));
-      const float when = (face - start.x[a]) / d[a];
+      // Where the inverse is too large to be stored the end comes before any face, unless the start is on it.
+      const float to_face = face - start.x[a];
+      const float when = to_face == 0.0F ? 0.0F : to_face * inverse[a];
       if (when < next) next = when, axis = a;
     }
     if (axis < 0) break;
@@ -60,19 +64,34 @@ WallPoint WallPaths::walk(const WallPoint& start, const std::array<float, 3>& di
   return at;
 }
 
-unsigned WallPaths::reach(const Int3& cell, const Int3& toward) const {
+/// The 2x2x2 cells around a point.
+struct WallPaths::Block {
+  Int3 cell{};                    ///< that of the point, within the box or its ghosts
+  Int3 toward{};                  ///< where the others lie
+  std::array<float, 3> weight{};  ///< of the far side, along each axis
+  std::array<std::uint8_t, 8> doors{};
+};
+
+WallPaths::Block WallPaths::block_around(const WallPoint& at) const {
+  Block block;
+  block.cell = at.cell;
+  wrap_cell(block.cell);
+  for (int a = 0; a < 3; ++a) {
+    const float f = at.x[a] - (static_cast<float>(at.cell[a]) + 0.5F);
+    block.toward[a] = f >= 0.0F ? 1 : -1;
+    block.weight[a] = std::min(std::abs(f), 0.5F);
+  }
+  block.doors = map_.block_doors(block.cell, block.toward);
+  return block;
+}
+
+unsigned WallPaths::reach(const Block& block) const {
   // Most blocks have no wall in them.
-  Int3 low, high;
-  for (int a = 0; a < 3; ++a) low[a] = std::min(cell[a], cell[a] + toward[a]), high[a] = low[a] + 1;
-  if (map_.all_open(low, high)) return 0xFF;
+  unsigned all = 0x3F;
+  for (const std::uint8_t doors : block.doors) all &= doors;
+  if (all == 0x3F) return 0xFF;
 
   // Grow the set over the twelve inner faces of the block until it stays the same.
-  std::array<unsigned, 8> doors;
-  for (int corner = 0; corner < 8; ++corner) {
-    Int3 c = cell;
-    for (int a = 0; a < 3; ++a) c[a] += (corner >> a & 1) * toward[a];
-    doors[corner] = map_.doors(c);
-  }
   unsigned reached = 1;
   for (unsigned before = 0; before != reached;) {
     before = reached;
@@ -80,8 +99,8 @@ unsigned WallPaths::reach(const Int3& cell, const Int3& toward) const {
       if (!(reached >> corner & 1U)) continue;
       for (int a = 0; a < 3; ++a) {
         const bool outward = !(corner >> a & 1);
-        const bool up = outward == (toward[a] > 0);
-        if (doors[corner] >> (2 * a + up) & 1U) reached |= 1U << (corner ^ (1 << a));
+        const bool up = outward == (block.toward[a] > 0);
+        if (block.doors[corner] >> (2 * a + up) & 1U) reached |= 1U << (corner ^ (1 << a));
       }
     }
   }
@@ -89,21 +108,6 @@ unsigned WallPaths::reach(const Int3& cell, const Int3& toward) const {
 }
 
 namespace {
-
-struct Block {
-  Int3 toward{};
-  std::array<float, 3> weight{};  ///< of the far side, along each axis
-};
-
-Block block_around(const WallPoint& at) {
-  Block block;
-  for (int a = 0; a < 3; ++a) {
-    const float f = at.x[a] - (static_cast<float>(at.cell[a]) + 0.5F);
-    block.toward[a] = f >= 0.0F ? 1 : -1;
-    block.weight[a] = std::min(std::abs(f), 0.5F);
-  }
-  return block;
-}
 
 /// Weighted mean that also keeps the range and tells what was left out.
 struct Mean {
@@ -122,14 +126,12 @@ struct Mean {
 }  // namespace
 
 WallSample WallPaths::sample_scalar(const Padded& field, const WallPoint& at) const {
-  WallPoint here = at;
-  wrap_cell(here.cell);
   const Block block = block_around(at);
-  const unsigned reached = reach(here.cell, block.toward);
+  const unsigned reached = reach(block);
   Mean mean;
   for (int corner = 0; corner < 8; ++corner) {
     float w = 1.0F;
-    Int3 c = here.cell;
+    Int3 c = block.cell;
     for (int a = 0; a < 3; ++a) {
       const bool far = corner >> a & 1;
       w *= far ? block.weight[a] : 1.0F - block.weight[a];
@@ -144,26 +146,25 @@ WallSample WallPaths::sample_scalar(const Padded& field, const WallPoint& at) co
   return mean.result();
 }
 
-WallSample WallPaths::sample_velocity(const Padded& component, int axis, const WallPoint& at) const {
-  WallPoint here = at;
-  wrap_cell(here.cell);
-  const Block block = block_around(at);
-  const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-  const int n = size_[axis];
-  const float along = std::clamp(at.x[axis] - static_cast<float>(at.cell[axis]), 0.0F, 1.0F);
+template <int A>
+WallSample WallPaths::sample_component(const Padded& component, const WallPoint& at, const Block& block) const {
+  constexpr int b = (A + 1) % 3, c = (A + 2) % 3;
+  const int n = size_[A];
+  const float along = std::clamp(at.x[A] - static_cast<float>(at.cell[A]), 0.0F, 1.0F);
 
   // Of the four cells side by side, those are seen to which a path of open faces leads within the four.
-  std::array<Int3, 4> cells;
-  for (int corner = 0; corner < 4; ++corner) {
-    cells[corner] = here.cell;
-    cells[corner][b] += (corner & 1) * block.toward[b];
-    cells[corner][c] += (corner >> 1) * block.toward[c];
-  }
   const int up_b = block.toward[b] > 0, up_c = block.toward[c] > 0;
-  const unsigned here_doors = map_.doors(cells[0]);
-  const bool b0 = here_doors >> (2 * b + up_b) & 1U, c0 = here_doors >> (2 * c + up_c) & 1U;
-  const bool b1 = map_.passable(cells[2], b, up_b), c1 = map_.passable(cells[1], c, up_c);
+  const auto door = [&](unsigned corner, int axis, int up) { return block.doors[corner] >> (2 * axis + up) & 1U; };
+  const bool b0 = door(0, b, up_b), c0 = door(0, c, up_c), b1 = door(1U << c, b, up_b), c1 = door(1U << b, c, up_c);
   const std::array<bool, 4> seen = {true, b0 || (c0 && b1 && c1), c0 || (b0 && c1 && b1), (b0 && c1) || (c0 && b1)};
+  const std::ptrdiff_t step_b = block.toward[b] * component.stride(b),
+                       step_c = block.toward[c] * component.stride(c);
+  const std::ptrdiff_t step_a = component.stride(A);
+  const float* values =
+      component.data.data() +
+      component.index(A == 0 ? 0 : block.cell[0], A == 1 ? 0 : block.cell[1], A == 2 ? 0 : block.cell[2]);
+  const std::ptrdiff_t low = std::clamp(block.cell[A], 0, n) * step_a;
+  const std::ptrdiff_t high = std::clamp(block.cell[A] + 1, 0, n) * step_a;
   Mean mean;
   for (int corner = 0; corner < 4; ++corner) {
     const float w = (corner & 1 ? block.weight[b] : 1.0F - block.weight[b]) *
@@ -173,21 +174,24 @@ WallSample WallPaths::sample_velocity(const Padded& component, int axis, const W
       mean.thinned = true;
       continue;
     }
-    Int3 face = cells[corner];
-    for (int upper = 0; upper < 2; ++upper) {
-      Int3 f = face;
-      f[axis] = std::clamp(face[axis] + upper, 0, n);
-      const float share = upper ? along : 1.0F - along;
-      if (share > 0.0F) mean.add(component.at(f[0], f[1], f[2]), w * share);
-    }
+    const float* of_cell = values + (corner & 1) * step_b + (corner >> 1) * step_c;
+    if (1.0F - along > 0.0F) mean.add(of_cell[low], w * (1.0F - along));
+    if (along > 0.0F) mean.add(of_cell[high], w * along);
   }
   return mean.result();
 }
 
+WallSample WallPaths::sample_velocity(const Padded& component, int axis, const WallPoint& at) const {
+  const Block block = block_around(at);
+  if (axis == 0) return sample_component<0>(component, at, block);
+  if (axis == 1) return sample_component<1>(component, at, block);
+  return sample_component<2>(component, at, block);
+}
+
 std::array<float, 3> WallPaths::velocity(const std::array<Padded, 3>& field, const WallPoint& at) const {
-  std::array<float, 3> u;
-  for (int a = 0; a < 3; ++a) u[a] = sample_velocity(field[a], a, at).value;
-  return u;
+  const Block block = block_around(at);
+  return {sample_component<0>(field[0], at, block).value, sample_component<1>(field[1], at, block).value,
+          sample_component<2>(field[2], at, block).value};
 }
 
 WallPoint WallPaths::trace(const std::array<Padded, 3>& flow, const WallPoint& start, float sign) const {

@@ -42,9 +42,13 @@ class WallPaths {
   [[nodiscard]] WallPoint trace(const std::array<Padded, 3>& flow, const WallPoint& start, float sign) const;
 
  private:
+  struct Block;
+  [[nodiscard]] Block block_around(const WallPoint& at) const;
+  template <int A>
+  [[nodiscard]] WallSample sample_component(const Padded& component, const WallPoint& at, const Block& block) const;
   void wrap_cell(Int3& cell) const;
-  /// Which of the 2x2x2 cells from `cell` toward `toward` are joined to it by open faces within the block.
-  [[nodiscard]] unsigned reach(const Int3& cell, const Int3& toward) const;
+  /// Which of the cells of the block are joined to the point's own by open faces within the block.
+  [[nodiscard]] unsigned reach(const Block& block) const;
 
   Int3 size_;
   std::array<bool, 3> periodic_{};

@@ -24,23 +24,30 @@ void mark_touching(const Grid& grid, Walls& walls) {
   });
 }
 
-/// Spreads marks by `reach` cells along one axis, around the box where it is periodic. `lines` lie
-/// `stride` apart along the axis.
+/// Spreads marks by `reach` cells along one axis, around the box where it is periodic: rows along x, or whole
+/// rows that lie behind one another along y or z.
 void spread(const Grid& grid, int axis, bool periodic, int reach, std::vector<std::uint8_t>& marks) {
-  const int n = grid.size(axis);
-  const std::size_t stride = axis == 0 ? 1 : axis == 1 ? grid.nx : std::size_t(grid.nx) * grid.ny;
+  const int n = grid.size(axis), nx = grid.nx;
+  const std::size_t stride = axis == 1 ? 1 : grid.ny;  // in rows
   const std::vector<std::uint8_t> before = marks;
-  const std::size_t planes = grid.cells() / (stride * n);
-  parallel_for(planes * n, 16, [&](std::size_t line) {
-    const std::size_t plane = line / n;
-    const int at = static_cast<int>(line % n);
-    std::uint8_t* to = marks.data() + (plane * n + at) * stride;
+  parallel_for(std::size_t(grid.ny) * grid.nz, 64, [&](std::size_t row) {
+    std::uint8_t* __restrict to = marks.data() + row * nx;
+    const std::uint8_t* self = before.data() + row * nx;
+    const int at = axis == 0 ? 0 : static_cast<int>(axis == 1 ? row % grid.ny : row / grid.ny);
     for (int shift = -reach; shift <= reach; ++shift) {
+      if (axis == 0) {
+        const int low = std::max(0, -shift), high = std::min(nx, nx - shift);
+        for (int i = low; i < high; ++i) to[i] |= self[i + shift];
+        for (int i = 0; periodic && i < nx; ++i) {
+          if (i < low || i >= high) to[i] |= self[((i + shift) % n + n) % n];
+        }
+        continue;
+      }
       int from = at + shift;
       if (periodic) from = ((from % n) + n) % n;
       if (from < 0 || from >= n) continue;
-      const std::uint8_t* source = before.data() + (plane * n + from) * stride;
-      for (std::size_t i = 0; i < stride; ++i) to[i] |= source[i];
+      const std::uint8_t* source = self + (from - at) * std::ptrdiff_t(stride) * nx;
+      for (int i = 0; i < nx; ++i) to[i] |= source[i];
     }
   });
 }

@@ -74,13 +74,17 @@ Strain<T> solve_symmetric(const T& a00, const T& a01, const T& a02, const T& a11
   return {r.g00 * i0 - l10 * z1 - l20 * z2, z1, z2};
 }
 
-/// One XPBD projection of a triangle [Macklin 2016, Eqs 17-18, 26] with Rayleigh damping: γ = b/h,
+/// One XPBD projection of a triangle [Macklin 2016, Eqs 17-18, 26] with Rayleigh damping γ,
 ///   ((1+γ) J W Jᵀ + α̃) λ = −(c + γ J (x − xⁿ)),   x += W Jᵀ λ,   α̃ = S/(A h²).
-/// `previous` are the corners at the start of the substep; `softness` is 1/(A h² stiffness scale).
+/// One sweep from λ = 0 leaves some (1+γ) J W Jᵀ/2 + α̃ of strain per λ, so that where J W Jᵀ exceeds α̃ damping
+/// resists no motion that the substep resolves and only softens the sheet. So γ is b/h where α̃ is the larger and
+/// where the strain is so large that the sheet would be crushed undamped, and fades in between:
+///   γ = b/h (tr α̃ + s tr J W Jᵀ)/(tr α̃ + tr J W Jᵀ), s from 0 to 1 while the strain grows to a half.
+/// `previous` are the corners at the start of the substep; `softness` is 1/(A h² stiffness scale), `damping` b/h.
 template <class T>
-void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLaw& law, double gamma, Vertex<T>& v0,
-                      Vertex<T>& v1, Vertex<T>& v2, const Triple<T>& previous0, const Triple<T>& previous1,
-                      const Triple<T>& previous2) {
+void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLaw& law, double damping,
+                      Vertex<T>& v0, Vertex<T>& v1, Vertex<T>& v2, const Triple<T>& previous0,
+                      const Triple<T>& previous1, const Triple<T>& previous2) {
   const Triple<T> edge1 = v1.p - v0.p, edge2 = v2.p - v0.p;
   const Deformation<T> F = deformation(b, edge1, edge2);
   const Triple<T> old1 = previous1 - previous0, old2 = previous2 - previous0;
@@ -89,20 +93,24 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   // The gradient of the start of the substep makes the projection central about xⁿ, so that nothing is lost in
   // turning (as in SHAKE); but it leaves the transverse stiffness of taut triangles explicit, which the gradient at
   // x damps. A triangle passes from the one to the other while its strain grows to a tenth.
-  const T back =
-      larger<T>(constant<T>(0.0), 1.0 - 100.0 * (c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice));
+  const T square = c.g00 * c.g00 + c.g11 * c.g11 + 0.5 * c.g01_twice * c.g01_twice;
+  const T back = larger<T>(constant<T>(0.0), 1.0 - 100.0 * square);
   const Deformation<T> J = {F.f - back * D.f, F.g - back * D.g};
-  const Strain<T> rate = strain_rate(J, D);
-  const Strain<T> r = {-(c.g00 + gamma * rate.g00), -(c.g11 + gamma * rate.g11),
-                       -(c.g01_twice + gamma * rate.g01_twice)};
 
   // J W Jᵀ from the Gram matrix of F and m = Σ w_k B_kᵀ B_k.
   const T b00 = -(b.b10 + b.b20), b01 = -(b.b11 + b.b21);
-  const T scale = constant<T>(1.0 + gamma);
-  const T w0 = scale * v0.w, w1 = scale * v1.w, w2 = scale * v2.w;
-  const T m00 = w0 * b00 * b00 + w1 * b.b10 * b.b10 + w2 * b.b20 * b.b20;
-  const T m01 = w0 * b00 * b01 + w1 * b.b10 * b.b11 + w2 * b.b20 * b.b21;
-  const T m11 = w0 * b01 * b01 + w1 * b.b11 * b.b11 + w2 * b.b21 * b.b21;
+  const T n00 = v0.w * b00 * b00 + v1.w * b.b10 * b.b10 + v2.w * b.b20 * b.b20;
+  const T n01 = v0.w * b00 * b01 + v1.w * b.b10 * b.b11 + v2.w * b.b20 * b.b21;
+  const T n11 = v0.w * b01 * b01 + v1.w * b.b11 * b.b11 + v2.w * b.b21 * b.b21;
+  const T weight = n00 + n11, compliance = (law.warp + law.weft) * softness;
+  const T large = smaller<T>(constant<T>(1.0), 4.0 * square);
+  const T gamma = damping * (compliance + large * weight) / (compliance + weight);
+  const T scale = 1.0 + gamma;
+  const T m00 = scale * n00, m01 = scale * n01, m11 = scale * n11;
+
+  const Strain<T> rate = strain_rate(J, D);
+  const Strain<T> r = {-(c.g00 + gamma * rate.g00), -(c.g11 + gamma * rate.g11),
+                       -(c.g01_twice + gamma * rate.g01_twice)};
   const T ff = dot(J.f, J.f), gg = dot(J.g, J.g), fg = dot(J.f, J.g);
   const Strain<T> lambda =
       solve_symmetric<T>(m00 * ff + softness * law.warp, m01 * fg + softness * law.poisson, m00 * fg + m01 * ff,
@@ -118,9 +126,9 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   // which keeps momentum.
   const T largest2 = larger<T>(larger<T>(dot(d0, d0), dot(d1, d1)), dot(d2, d2));
   const T det = b.b10 * b.b21 - b.b11 * b.b20;
-  const T allowed2 = larger<T>(constant<T>(1.0), c.g00 + c.g11) / larger<T>(det, -det);
-  if (any_greater(largest2, allowed2)) {
-    const T cut = square_root(smaller<T>(constant<T>(1.0), allowed2 / larger<T>(largest2, allowed2)));
+  const T moved = largest2 * larger<T>(det, -det), allowed = larger<T>(constant<T>(1.0), c.g00 + c.g11);
+  if (any_greater(moved, allowed)) {
+    const T cut = square_root(allowed / larger<T>(moved, allowed));
     d0 = cut * d0;
     d1 = cut * d1;
     d2 = cut * d2;

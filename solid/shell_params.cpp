@@ -10,7 +10,8 @@ void describe(ParameterVisitor& v, ShellParams& p) {
   constexpr auto may = OnResume::may_change;
   v.number({"thickness", "m", between(1e-9, 10.0), "t; too large: the sheet is heavy and stays flat like a board"},
            p.thickness);
-  v.number({"density", "kg/m3", between(1e-6, 1e7), "mass per volume; areal mass is density * thickness"}, p.density);
+  v.number({"density", "kg/m3", between(1e-6, 1e7), "mass per volume; areal mass is density * thickness"},
+           p.density);
   v.number({"young_warp", "Pa", above(0.0), "Y along material x; too small: the sheet stretches like rubber", may},
            p.young_warp);
   v.number({"young_weft", "Pa", above(0.0), "Y along material y; too small: the sheet stretches like rubber", may},
@@ -29,7 +30,9 @@ void describe(ParameterVisitor& v, ShellParams& p) {
       p.bending);
   v.number(
       {"damping", "s", at_least(0.0),
-       "Rayleigh b of stretching and bending [Macklin 2016]; too large: the sheet creeps and looks softer", may},
+       "Rayleigh b of bending, and of stretching where substeps resolve it [Macklin 2016]; too large: the sheet "
+       "creeps and looks softer",
+       may},
       p.damping);
   v.number({"air_drag", "1/s", at_least(0.0), "rate at which velocity relative to the wind decays", may},
            p.air_drag);

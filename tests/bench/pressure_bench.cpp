@@ -12,14 +12,15 @@
 namespace wick::fluid {
 namespace {
 
-enum Shape { none, sphere, flat, wrinkled, rolled };
-const char* const shape_names[] = {"none", "sphere", "flat", "wrinkled", "rolled"};
+enum Shape { none, sphere, flat, tilted, wrinkled, rolled };
+const char* const shape_names[] = {"none", "sphere", "flat", "tilted", "wrinkled", "rolled"};
 
 Walls make_walls(const Grid& grid, int shape) {
   Walls walls = no_walls(grid);
   if (shape == none) walls.any = false;
   if (shape == sphere) add_sphere_obstacle(grid, walls, Vec3(0.5, 0.5, 0.3), 0.15);
   if (shape == flat) add_flat_sheet(grid, walls);
+  if (shape == tilted) add_tilted_sheet(grid, walls);
   if (shape == wrinkled) add_wrinkled_sheet(grid, walls);
   if (shape == rolled) add_rolled_sheet(grid, walls);
   return walls;
@@ -90,7 +91,7 @@ void project(benchmark::State& state) {
 
 BENCHMARK(project)
     ->ArgNames({"n", "shape", "threads"})
-    ->ArgsProduct({{64, 128, 256}, {none, sphere, flat, wrinkled, rolled}, {1, 2}})
+    ->ArgsProduct({{64, 128, 256}, {none, sphere, flat, tilted, wrinkled, rolled}, {1, 2}})
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond)
     ->Iterations(3);

@@ -16,7 +16,8 @@ ShellMesh cloth() {
 void frame(benchmark::State& bench) {
   ThreadLimit limit(static_cast<int>(bench.range(0)));
   const ShellMesh mesh = cloth();
-  const ShellParams params;
+  ShellParams params;
+  params.substeps = 20;
   ShellInputs inputs = make_shell_inputs(mesh, params);
   for (std::size_t h = 0; h < inputs.rest_angle.size(); ++h)
     if (h % 100 < static_cast<std::size_t>(bench.range(2))) inputs.rest_angle[h] = 0.1;

@@ -108,7 +108,7 @@ TEST(Deposit, BooksEverythingAndFeedsBothSidesAlike) {
   SplitBox box(24, 0.0);
   const std::size_t count = box.mesh.vertex_count();
   std::vector<double> smoke(count, 1e-6), heat(count, 1.0), flame(count, 0.7);
-  const Deposited sum = deposit(box.stencils, smoke, heat, flame, box.params, box.gas);
+  const Deposited sum = deposit(box.stencils, smoke, heat, flame, 1e9, box.params, box.gas);
   EXPECT_NEAR(sum.smoke + sum.escaped_smoke, 1e-6 * double(count), 1e-15);
   EXPECT_NEAR(sum.heat + sum.escaped_heat, double(count), 1e-9);
   EXPECT_NEAR(fluid::total_smoke(box.gas, box.params), sum.smoke, 1e-6 * sum.smoke);
@@ -119,6 +119,23 @@ TEST(Deposit, BooksEverythingAndFeedsBothSidesAlike) {
     if (box.above(c, 0.0)) up += box.gas.density[c];
   }
   EXPECT_NEAR(up / all, 0.5, 1e-5);
+}
+
+TEST(Deposit, HeatsNoFurtherThanTheFlame) {
+  SplitBox box(24, 0.0);
+  const std::size_t count = box.mesh.vertex_count();
+  const std::vector<double> smoke(count, 0.0), flame(count, 0.0), heat(count, 1.0);
+  double unburnt = 0.0, released = 0.0, offered = 0.0;
+  for (int n = 0; n < 50; ++n) {
+    const Deposited sum = deposit(box.stencils, smoke, heat, flame, 2000.0, box.params, box.gas);
+    EXPECT_NEAR(sum.heat + sum.unburnt_heat + sum.escaped_heat, double(count), 1e-9);
+    unburnt += sum.unburnt_heat;
+    released += sum.heat;
+    offered += double(count);
+  }
+  EXPECT_LE(*std::max_element(box.gas.temperature.begin(), box.gas.temperature.end()), 2000.01F);
+  EXPECT_GT(unburnt, 0.1 * offered);
+  EXPECT_NEAR(fluid::total_heat(box.gas, box.params), released, 1e-6 * released);
 }
 
 TEST(PressureImpulse, OfAUniformJumpIsAreaTimesJump) {

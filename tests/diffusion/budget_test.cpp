@@ -1,3 +1,4 @@
+/// What the diffusion step books: amounts before, supplied, lost, rescaled and after must agree.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -1,3 +1,4 @@
+/// The diffusion step with parameters and meshes at the ends of their ranges stays finite and within its bounds.
 #include <gtest/gtest.h>
 
 #include <limits>

@@ -128,6 +128,17 @@ TEST(Advection, ConservativeKeepsTheSumAndThePositive) {
   EXPECT_GE(*std::min_element(s.q.begin(), s.q.end()), 0.0F);
 }
 
+TEST(Advection, ConservativeLeavesUniformUniform) {
+  // Each sweep alone compresses; only with the air density followed does what all three do cancel.
+  Stirred s;
+  std::fill(s.q.begin(), s.q.end(), 3.0F);
+  Transport t(s.g, s.sides, {});
+  t.set_flow(s.u, no_walls, 0.5);
+  for (int step = 0; step < 20; ++step) carry_one(t, s.q, Advection::conservative);
+  // The divergence of the flow is rounding of Courant numbers up to 20: 1e-6 a part, 600 parts at random.
+  for (const float v : s.q) ASSERT_NEAR(v, 3.0F, 3e-4F);
+}
+
 TEST(Advection, ConservativeBooksWhatLeavesThroughOpenSides) {
   const Grid g = {16, 12, 10, 0.1, Vec3::Zero()};
   CellField q = cell_field(g, [](const Vec3& x) { return 1.0 + x.x(); });

@@ -1,0 +1,204 @@
+/// Every bundled scene at its own settings for a few frames: what it shows must be physical, and its books closed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "coupling/world.h"
+#include "scenes/scene_file.h"
+
+namespace wick::scenes {
+namespace {
+
+Scene bundled(const std::string& name, const std::vector<std::string>& changes = {}) {
+  return read_scene(std::string(WICK_SOURCE) + "/scenes/" + name + ".json", changes);
+}
+
+/// The same sheets without gas, heat and fire.
+Scene bare(const std::string& name) {
+  Scene scene = bundled(name);
+  scene.world.smoke.reset();
+  scene.world.diffusion.reset();
+  scene.world.burning.reset();
+  scene.world.heat_sources.clear();
+  return scene;
+}
+
+/// Largest strain of edges none of whose ends has begun to burn: char shrinks and loses its stiffness by design.
+double largest_stretch_of_paper(const coupling::ShellView& shell) {
+  const std::vector<float>* charred = nullptr;
+  for (const auto& [name, values] : shell.values)
+    if (name == "char") charred = &values;
+  double largest = -1.0;
+  for (std::size_t e = 0; e < shell.mesh->edges.size(); ++e) {
+    const auto& [a, b] = shell.mesh->edges[e];
+    if (charred != nullptr && std::max((*charred)[a], (*charred)[b]) > 0.0F) continue;
+    largest = std::max(largest, ((*shell.x)[a] - (*shell.x)[b]).norm() / shell.mesh->rest_length[e] - 1.0);
+  }
+  return largest;
+}
+
+double largest_stretch(const Scene& scene, int frames) {
+  coupling::World world(scene.world);
+  double largest = -1.0;
+  for (int k = 0; k < frames; ++k) {
+    world.step(1.0 / scene.fps);
+    for (const coupling::ShellView& shell : world.shells())
+      largest = std::max(largest, largest_stretch_of_paper(shell));
+  }
+  return largest;
+}
+
+constexpr double kMostStretch = 0.02;
+
+TEST(BundledStretch, PaperAlone) {
+  for (const char* name : {"burning_sheet", "burning_sheet_128"})
+    EXPECT_LT(largest_stretch(bare(name), 12), kMostStretch) << name;
+}
+
+TEST(LongBundledStretch, BunnyThatLandsAndClothHeldAtItsCorners) {
+  for (const char* name : {"burning_bunny", "hanging_cloth"})
+    EXPECT_LT(largest_stretch(bare(name), 12), kMostStretch) << name;
+}
+
+TEST(BundledStretch, PaperInItsFire) {
+  EXPECT_LT(largest_stretch(bundled("burning_sheet"), 12), kMostStretch);
+}
+
+struct Extent {
+  double low = INFINITY, high = -INFINITY;
+  bool finite = true;
+  template <class Values>
+  void take(const Values& values, double offset = 0.0) {
+    for (const auto value : values) {
+      finite = finite && std::isfinite(value);
+      low = std::min(low, offset + double(value));
+      high = std::max(high, offset + double(value));
+    }
+  }
+};
+
+/// Adiabatic flame temperature of paper in air, which neither sheet nor gas can pass [K].
+constexpr double kFlame = 2300.0;
+
+void expect_physical(const coupling::World& world, double ambient) {
+  if (const fluid::SmokeState* gas = world.smoke()) {
+    Extent temperature, flame, density;
+    temperature.take(gas->temperature, ambient);
+    flame.take(gas->flame);
+    density.take(gas->density);
+    EXPECT_TRUE(temperature.finite && flame.finite && density.finite);
+    // Nothing cools; a tenth of a degree is left to the steep edges of the transport.
+    EXPECT_GT(temperature.low, ambient - 0.1);
+    EXPECT_GE(flame.low, 0.0);
+    EXPECT_LE(flame.high, 1.0);
+    EXPECT_GT(density.low, -1e-9);
+  }
+  for (const coupling::ShellView& shell : world.shells())
+    for (const auto& [name, values] : shell.values) {
+      Extent extent;
+      extent.take(values);
+      EXPECT_TRUE(extent.finite) << shell.name << ' ' << name;
+      if (name == "temperature") {
+        EXPECT_LT(extent.high, kFlame);
+        EXPECT_GT(extent.low, ambient - 0.1);
+      }
+      if (name == "char") {
+        EXPECT_GE(extent.low, 0.0);
+        EXPECT_LE(extent.high, 1.0);
+      }
+    }
+}
+
+/// Largest relative error of each book, and the hottest gas [K], of a run.
+struct Record {
+  std::map<std::string, double> error;
+  double hottest_gas = 0.0;
+};
+
+/// Heat of an isolated sheet closes to 1e-8; what the grid carries in single precision, to 1e-6.
+constexpr double kSolid = 1e-10, kIsolatedHeat = 1e-8, kGrid = 1e-6;
+
+/// `models`: what the world builds, and nothing else.
+Record run(const Scene& scene, int frames, const std::vector<std::string>& models) {
+  SCOPED_TRACE(scene.name);
+  coupling::World world(scene.world);
+  EXPECT_EQ(world.models(), models);
+  const double ambient = scene.world.smoke ? scene.world.smoke->ambient_temperature : 293.15;
+  Record record;
+  for (int k = 0; k < frames; ++k) {
+    const coupling::FrameReport report = world.step(1.0 / scene.fps);
+    EXPECT_EQ(report.unconverged_solves, 0);
+    EXPECT_EQ(report.lengthened_steps, 0);
+    expect_physical(world, ambient);
+    if (const fluid::SmokeState* gas = world.smoke())
+      for (const float excess : gas->temperature)
+        record.hottest_gas = std::max(record.hottest_gas, ambient + excess);
+    for (const auto& [name, ledger] : world.ledgers())
+      record.error[name] = std::max(record.error[name], ledger.relative_error());
+  }
+  return record;
+}
+
+void expect_closed(const Record& record, double heat) {
+  const std::map<std::string, double> tolerance = {{"solid", kSolid}, {"heat", heat}, {"smoke", kGrid}};
+  for (const auto& [name, error] : record.error) EXPECT_LT(error, tolerance.at(name)) << name;
+}
+
+const std::vector<std::string> kEverything = {"shell", "diffusion", "smoke", "burning"};
+
+TEST(Bundled, BurningSheetIsPhysical) {
+  expect_closed(run(bundled("burning_sheet"), 14, kEverything), kGrid);
+}
+
+TEST(Bundled, BurningSheet128IsPhysical) {
+  // Half the cells in each direction, for time.
+  expect_closed(run(bundled("burning_sheet_128", {"/smoke/resolution=[64,64,64]"}), 6, kEverything), kGrid);
+}
+
+TEST(Bundled, BurningBunnyIsPhysical) {
+  expect_closed(run(bundled("burning_bunny"), 6, kEverything), kGrid);
+}
+
+TEST(Bundled, HangingClothIsPhysicalAndOnlyAShell) {
+  expect_closed(run(bundled("hanging_cloth"), 12, {"shell"}), kIsolatedHeat);
+}
+
+TEST(Bundled, HeatedSheetIsPhysicalAndOnlyDiffuses) {
+  expect_closed(run(bundled("heated_sheet"), 12, {"diffusion"}), kIsolatedHeat);
+}
+
+TEST(Bundled, SmokePlumeIsPhysicalAndOnlySmoke) {
+  const Record record = run(bundled("smoke_plume"), 12, {"smoke"});
+  expect_closed(record, kGrid);
+  EXPECT_LT(record.hottest_gas, kFlame);
+}
+
+TEST(LongBundled, HeatInTheGasClosesLikeThatOfAnIsolatedSheet) {
+  expect_closed(run(bundled("smoke_plume"), 96, {"smoke"}), kIsolatedHeat);
+  expect_closed(run(bundled("burning_sheet"), 24, kEverything), kIsolatedHeat);
+}
+
+TEST(LongBundled, GasIsNoHotterThanAFlame) {
+  EXPECT_LT(run(bundled("burning_sheet"), 24, kEverything).hottest_gas, kFlame);
+  EXPECT_LT(run(bundled("burning_bunny"), 24, kEverything).hottest_gas, kFlame);
+}
+
+/// A warm plume rises: the mean height of its smoke grows from the source upwards.
+TEST(Bundled, SmokePlumeRises) {
+  const Scene scene = bundled("smoke_plume", {"/smoke/resolution=[32,32,48]"});
+  coupling::World world(scene.world);
+  for (int k = 0; k < 24; ++k) world.step(1.0 / scene.fps);
+  const auto& smoke = world.smoke()->density;
+  double mass = 0.0, height = 0.0;
+  const int layer = 32 * 32;
+  for (std::size_t c = 0; c < smoke.size(); ++c) {
+    mass += smoke[c];
+    height += smoke[c] * (static_cast<double>(c / layer) + 0.5) / 32.0;
+  }
+  EXPECT_GT(height / mass, scene.world.heat_sources[0].center.z() + 0.2);
+}
+
+}  // namespace
+}  // namespace wick::scenes
