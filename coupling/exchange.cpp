@@ -75,7 +75,7 @@ Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<
       sum.escaped_heat += heat[i];
       continue;
     }
-    sum.smoke += smoke[i];
+    double unburnt = 0.0;
     for (const auto& face : stencils[i].face)
       for (int n = 0; n < face.count; ++n) {
         const double share = face.weight[n] / faces;
@@ -83,12 +83,13 @@ Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<
         gas.density[c] += static_cast<float>(share * smoke[i] / volume);
         const double wanted = share * heat[i];
         const double room = gas_capacity * std::max(0.0, hottest - static_cast<double>(gas.temperature[c]));
-        const double released = std::min(wanted, room);
-        gas.temperature[c] += static_cast<float>(released / gas_capacity);
-        sum.heat += released;
-        sum.unburnt_heat += wanted - released;
+        gas.temperature[c] += static_cast<float>(std::min(wanted, room) / gas_capacity);
+        unburnt += std::max(wanted - room, 0.0);
         gas.flame[c] = std::max(gas.flame[c], static_cast<float>(flame[i]));
       }
+    sum.smoke += smoke[i];
+    sum.heat += heat[i] - unburnt;
+    sum.unburnt_heat += unburnt;
   }
   return sum;
 }

@@ -124,14 +124,14 @@ TEST(Deposit, BooksEverythingAndFeedsBothSidesAlike) {
 TEST(Deposit, HeatsNoFurtherThanTheFlame) {
   SplitBox box(24, 0.0);
   const std::size_t count = box.mesh.vertex_count();
-  const std::vector<double> smoke(count, 0.0), flame(count, 0.0), heat(count, 1.0);
+  const std::vector<double> smoke(count, 0.0), flame(count, 0.0), heat(count, 100.0);
   double unburnt = 0.0, released = 0.0, offered = 0.0;
   for (int n = 0; n < 50; ++n) {
     const Deposited sum = deposit(box.stencils, smoke, heat, flame, 2000.0, box.params, box.gas);
-    EXPECT_NEAR(sum.heat + sum.unburnt_heat + sum.escaped_heat, double(count), 1e-9);
+    EXPECT_NEAR(sum.heat + sum.unburnt_heat + sum.escaped_heat, 100.0 * double(count), 1e-7);
     unburnt += sum.unburnt_heat;
     released += sum.heat;
-    offered += double(count);
+    offered += 100.0 * double(count);
   }
   EXPECT_LE(*std::max_element(box.gas.temperature.begin(), box.gas.temperature.end()), 2000.01F);
   EXPECT_GT(unburnt, 0.1 * offered);
