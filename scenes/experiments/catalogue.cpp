@@ -6,9 +6,14 @@ namespace {
 
 std::vector<Experiment> build_list() {
   std::vector<Experiment> list;
-  add_arithmetic(list);
   add_fire(list);
+  add_arithmetic(list);
+  add_strain(list);
   add_wetting(list);
+  add_earlier_fire(list);
+  add_rates(list);
+  add_flag(list);
+  add_ablation(list);
   add_convergence(list);
   list.push_back({"fig02", "Fig 2: photographs of burnt and wet sheets", "reference only", "measured data", {}});
   list.push_back({"fig08", "Fig 8: a sheet of paper is shredded by fire", "tongues and shreds", "tearing", {}});

@@ -21,6 +21,11 @@ SheetFrame frame_of(const coupling::World& world) {
     if (name == "char")
       for (const float value : values) frame.left.push_back(1.0 - static_cast<double>(value));
   }
+  const auto heat = world.ledgers().find("heat");
+  if (heat != world.ledgers().end()) {
+    frame.heat = heat->second.flows();
+    frame.heat["stock"] = heat->second.total_stock();
+  }
   return frame;
 }
 
@@ -50,6 +55,29 @@ std::vector<double> strain_density(const Scene& scene, const solid::ShellMesh& m
   diffusion::triangle_strain(params, mesh, x, nullptr, strain);
   diffusion::vertex_strain(params, mesh, strain, 1.0, c);
   return c;
+}
+
+std::vector<std::vector<double>> strain_densities(const Scene& scene, const SheetHistory& history) {
+  const coupling::MotionParams& motion = scene.world.shells[0].motion;
+  const bool moves = motion.kind == coupling::MotionKind::recorded || motion.ramp > 0.0 ||
+                     (motion.kind == coupling::MotionKind::wave && motion.period > 0.0);
+  std::vector<std::vector<double>> c;
+  for (std::size_t n = 0; n < (moves ? history.frames.size() : 1); ++n)
+    c.push_back(strain_density(scene, history.mesh, history.frames[n].x));
+  return c;
+}
+
+std::shared_ptr<const coupling::MotionTrack> record_track(Scene scene) {
+  scene.world.diffusion.reset();
+  scene.world.burning.reset();
+  scene.world.heat_sources.clear();
+  const SheetHistory history = replay(scene);
+  auto track = std::make_shared<coupling::MotionTrack>();
+  for (const SheetFrame& frame : history.frames) {
+    track->time.push_back(frame.time);
+    track->x.push_back(frame.x);
+  }
+  return track;
 }
 
 std::vector<double> front_field(const SheetFrame& frame, FrontOf of) {
