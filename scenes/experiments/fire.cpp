@@ -21,6 +21,7 @@ ExperimentReport burning_methods(const Surroundings& s) {
                    at_least("rG(ours)", all.of(1, &FrontNumbers::displacement), 0.5),
                    at_least("Rq4(ours) [edges]", all.roughness(1), 0.4),
                    at_most("Rq4(isotropic) [edges]", all.roughness(0), 0.1),
+                   reported("rG(ours), unburnt places", all.of(1, &FrontNumbers::ahead)),
                    reported("Df(ours)", all.of(1, &FrontNumbers::dimension)),
                    reported("Df(isotropic)", all.of(0, &FrontNumbers::dimension)),
                    reported("r_s(ours)", all.of(1, &FrontNumbers::advance)),

@@ -79,8 +79,8 @@ FrontNumbers measure_front(const SheetHistory& run, const SheetHistory& isotropi
   const double h = mean_edge(run.mesh), least = 6.0 * h;
   const std::size_t frame = frame_at_coverage(run, question.of, question.coverage);
   const Front front = front_at(run, question.of, frame);
-  const Front plain =
-      front_at(isotropic, question.of, frame_at_coverage(isotropic, question.of, question.coverage));
+  const std::size_t same = frame_at_coverage(isotropic, question.of, question.coverage);
+  const Front plain = front_at(isotropic, question.of, same);
   FrontNumbers n;
   n.covered = front.covered();
   n.tortuosity =
@@ -91,10 +91,15 @@ FrontNumbers measure_front(const SheetHistory& run, const SheetHistory& isotropi
   n.dimension = diffusion::box_dimension(front, 2.0 * h, std::max(front.length() / 8.0, 4.0 * h)).dimension;
   n.pieces = static_cast<double>(front.count(least));
   n.anisotropy = diffusion::radial_harmonic(front, middle_of(diffusion::front_coordinates(run.mesh)), 4);
-  // Displacement is read at equal times: u against isotropic u.
-  const std::size_t same = std::min(frame, isotropic.frames.size() - 1);
-  n.displacement = diffusion::displacement_correlation(run.frames[same].u, isotropic.frames[same].u,
-                                                       diffusion::smoothed(run.mesh, strain_of(c, same), 0.04));
+  // Both are read at the same coverage, so that only the shape differs.
+  n.displacement = diffusion::displacement_correlation(run.frames[frame].u, isotropic.frames[same].u,
+                                                       diffusion::smoothed(run.mesh, strain_of(c, frame), 0.04));
+  std::vector<double> virgin = isotropic.frames[same].u;
+  const auto burnt = [](const SheetFrame& f, std::size_t i) { return !f.left.empty() && f.left[i] < 0.99; };
+  for (std::size_t i = 0; i < virgin.size(); ++i)
+    if (burnt(run.frames[frame], i) || burnt(isotropic.frames[same], i)) virgin[i] = -1.0;  // outside 0.15 .. 0.85
+  n.ahead = diffusion::displacement_correlation(run.frames[frame].u, virgin,
+                                                diffusion::smoothed(run.mesh, strain_of(c, frame), 0.04));
   n.advance = advance_correlation(run, c, question.of, h);
   return n;
 }
@@ -114,15 +119,16 @@ std::vector<double> MethodNumbers::of(double FrontNumbers::*number) const {
 }
 
 Table numbers_table(const std::string& name, const std::vector<MethodNumbers>& methods) {
-  Table table{.name = name,
-              .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "r_s", "AI4"},
-              .rows = {}};
+  Table table{
+      .name = name,
+      .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "rG_unburnt", "r_s", "AI4"},
+      .rows = {}};
   for (const MethodNumbers& m : methods)
     for (std::size_t s = 0; s < m.seeds.size(); ++s) {
       const FrontNumbers& n = m.seeds[s];
       table.add({m.label, std::to_string(s + 1)},
                 {n.covered, n.tortuosity, n.fine_roughness, n.relative_roughness, n.departure, n.dimension,
-                 n.pieces, n.displacement, n.advance, n.anisotropy});
+                 n.pieces, n.displacement, n.ahead, n.advance, n.anisotropy});
     }
   return table;
 }

@@ -17,6 +17,7 @@ struct FrontNumbers {
   double dimension = 0.0;           ///< Df
   double pieces = 0.0;              ///< nc: longer than six edges
   double displacement = 0.0;  ///< rG: Spearman of u above its mean at equal isotropic u with c smoothed over 4 cm
+  double ahead = 0.0;         ///< rG over the vertices that are unburnt in both runs
   double advance = 0.0;       ///< r_s: Spearman of the front's normal advance with c, mean over frames
   double anisotropy = 0.0;    ///< AI4: fourth harmonic of the front's radius about the middle of the sheet
 };
