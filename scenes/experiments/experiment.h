@@ -74,7 +74,7 @@ struct ExperimentOptions {
   std::vector<std::string> names;  ///< or "list", or "all"
   bool quick = false;
   std::string out = "out/experiments";
-  std::string page;  ///< Markdown page to write, pictures beside it; empty: none
+  std::string page = {};  ///< Markdown page to write, pictures beside it; empty: none
   bool quiet = false;
 };
 
