@@ -153,7 +153,7 @@ void start_solvers(Sheet& sheet, const WorldParams& world) {
   if (sheet.params.material.weaken_with_delta && world.diffusion)
     sheet.base.membrane_factor = 1.0 / (1.0 + world.diffusion->delta);
   sheet.inputs = sheet.base;
-  if (sheet.params.moves) sheet.shell = std::make_unique<solid::ShellSolver>(sheet.mesh, sheet.params.material);
+  if (sheet.free()) sheet.shell = std::make_unique<solid::ShellSolver>(sheet.mesh, sheet.params.material);
   if (!world.diffusion) return;
   const double kelvin = world.heat.reference_temperature -
                         (world.smoke ? world.smoke->ambient_temperature : world.heat.ambient_temperature);
@@ -183,8 +183,10 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
   sheet.mesh = sheet.original;
   sheet.state.x = sheet.mesh.rest;
   sheet.state.v.assign(sheet.mesh.vertex_count(), params.velocity);
-  if (!params.moves) sheet.state.v.assign(sheet.mesh.vertex_count(), Vec3::Zero());
+  if (!sheet.free()) sheet.state.v.assign(sheet.mesh.vertex_count(), Vec3::Zero());
+  require_motion_fits(params.motion, sheet.mesh, pointer + "/motion");
   add_wrinkles(sheet);
+  if (sheet.driven()) sheet.state.x = motion_at(params.motion, sheet.original, 0.0);
   for (std::size_t n = 0; n < params.pins.size(); ++n)
     sheet.pins.push_back(build_pin(sheet, params.pins[n], pointer + "/pins/" + std::to_string(n)));
 
@@ -218,6 +220,14 @@ solid::Pins pins_at(const Sheet& sheet, double t) {
 void refresh_inputs(Sheet& sheet, const WorldParams& world) {
   if (!world.burning) return;
   reshape(sheet.inputs, sheet.base, sheet.mesh, sheet.burning, *world.burning, sheet.areal_mass);
+}
+
+void follow_motion(Sheet& sheet, double t, double dt) {
+  const std::vector<Vec3> next = motion_at(sheet.params.motion, sheet.original, t);
+  for (std::size_t i = 0; i < next.size(); ++i) {
+    sheet.state.v[i] = (next[i] - sheet.state.x[i]) / dt;
+    sheet.state.x[i] = next[i];
+  }
 }
 
 void visit(StateVisitor& visitor, Sheet& sheet) {

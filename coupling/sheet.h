@@ -49,6 +49,10 @@ struct Sheet {
   std::unique_ptr<diffusion::DiffusionSolver> diffusion;  ///< null without diffusion
   SheetReport report;
 
+  /// Moved as its section tells instead of by the shell solver.
+  [[nodiscard]] bool driven() const { return params.motion.kind != MotionKind::none; }
+  /// Moved by the shell solver.
+  [[nodiscard]] bool free() const { return params.moves && !driven(); }
   [[nodiscard]] SheetSurface surface() const { return {&mesh, &state.x, &state.v}; }
 };
 
@@ -64,6 +68,9 @@ solid::Pins pins_at(const Sheet& sheet, double t);
 
 /// Masses, rest lengths, stiffness and curl as burning has left them.
 void refresh_inputs(Sheet& sheet, const WorldParams& world);
+
+/// Puts a driven sheet where its motion is at time t, dt after the last one.
+void follow_motion(Sheet& sheet, double t, double dt);
 
 void visit(StateVisitor& visitor, Sheet& sheet);
 

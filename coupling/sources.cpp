@@ -206,8 +206,7 @@ std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t) {
   std::vector<double> inverse;
   for (const Sheet& sheet : sheets) {
     const std::size_t first = inverse.size();
-    for (const double mass : sheet.inputs.mass)
-      inverse.push_back(mass > 0.0 && sheet.params.moves ? 1.0 / mass : 0.0);
+    for (const double mass : sheet.inputs.mass) inverse.push_back(mass > 0.0 && sheet.free() ? 1.0 / mass : 0.0);
     for (const std::int32_t vertex : pins_at(sheet, t).vertex) inverse[first + vertex] = 0.0;
   }
   return inverse;

@@ -93,7 +93,7 @@ void World::Impl::see_sheets() {
   stencils.assign(sheets.size(), {});
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     Sheet& sheet = sheets[s];
-    if (!sheet.seen_x.empty() && sheet.params.moves) {
+    if (!sheet.seen_x.empty() && (sheet.free() || sheet.driven())) {
       const std::vector<std::int64_t> swept = swept_cells(raster->grid(), sheet.mesh, sheet.seen_x, sheet.state.x);
       const SweptLoss lost = hand_over_swept(*raster, swept, *params.smoke, *gas);
       ledgers["smoke"].book_flow("walled_in", -lost.smoke);
@@ -212,6 +212,8 @@ void World::Impl::diffuse(double dt, FrameReport& report) {
     input.supply_rate = supply.any ? &supply.rate : nullptr;
     input.supply_value = supply.any ? &supply.value : nullptr;
     input.amount = &heat_in[s];
+    input.capacity = params.diffusion->capacity;
+    input.gravity = params.gravity;
     if (params.burning) input.fraction_left = &sheet.burning.fraction_left;
     const diffusion::DiffusionReport step = sheet.diffusion->step(sheet.theta, input, dt);
     Ledger& heat = ledgers["heat"];
@@ -276,6 +278,7 @@ void World::Impl::shed_burnt_triangles() {
 void World::Impl::move_sheets(double dt) {
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     Sheet& sheet = sheets[s];
+    if (sheet.driven()) follow_motion(sheet, time + dt, dt);
     if (!sheet.shell) continue;
     refresh_inputs(sheet, params);
     const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);

@@ -7,6 +7,7 @@
 #include "core/obstacle.h"
 #include "core/parameters.h"
 #include "coupling/burning.h"
+#include "coupling/motion.h"
 #include "diffusion/strain_diffusion.h"
 #include "fluid/smoke.h"
 #include "solid/primitives.h"
@@ -54,6 +55,7 @@ struct ShellSection {
   std::vector<PinParams> pins = {};
   Vec3 velocity = Vec3::Zero();  ///< at the start [m/s]
   bool moves = true;             ///< false: held in place, the shell solver is not built
+  MotionParams motion;           ///< given movement: the shell solver is not built either
 };
 void describe(ParameterVisitor& visitor, ShellSection& params);
 

@@ -35,6 +35,7 @@ void require_input(const std::vector<double>& u, const DiffusionInput& in, doubl
                   "diffusion was given fields of the wrong size or a negative time step");
   require_values(u.data(), n, any, "u");
   require_values(n > 0 ? in.x->front().data() : nullptr, 3 * n, any, "position");
+  require_values(in.gravity.data(), 3, any, "gravity");
   require_values(in.mass->data(), n, 0.0, "mass");
   if (in.loss != nullptr) require_values(in.loss->data(), n, 0.0, "loss");
   if (in.supply_rate != nullptr) require_values(in.supply_rate->data(), n, 0.0, "supply rate");

@@ -266,9 +266,11 @@ SolveReport LinearSolver::solve(const SheetMatrix& a, const Values& rhs, double 
 
   // Diagonal while few iterations are promised, then the reference factor, then the factor of A itself.
   constexpr int diagonal_limit = 600, factored_limit = 60;
-  const bool promising = a.reference == nullptr || estimated_iterations(a, tolerance) <= factor_threshold;
+  // An exact factor serves only once and costs several times as much as one of the reference that is kept.
+  const bool kept = a.reference != nullptr;
+  const bool promising = estimated_iterations(a, tolerance) <= (kept ? 1.0 : 4.0) * factor_threshold;
   if (promising) norm = s.run(a, false, target, diagonal_limit, v, norm, report);
-  if (norm > target && !promising && s.prepare_reference(a))
+  if (norm > target && !promising && kept && s.prepare_reference(a))
     norm = s.run(a, true, target, factored_limit, v, norm, report);
   if (norm > target && s.prepare_exact(a)) norm = s.run(a, true, target, factored_limit, v, norm, report);
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace wick::diffusion {
@@ -83,6 +84,39 @@ std::vector<double> corner_cotangents(const solid::ShellMesh& mesh, const std::v
       const Vec3 a = x[v[(k + 1) % 3]] - x[v[k]], b = x[v[(k + 2) % 3]] - x[v[k]];
       corner[3 * t + k] = 0.25 * a.dot(b) / bounded * (rest / bounded);
     }
+  });
+  return corner;
+}
+
+std::vector<double> tensor_corners(const solid::ShellMesh& mesh, const std::vector<Vec3>& x, double gain) {
+  // Beyond these ratios nothing is left to see of a direction, and the matrix would lose its digits.
+  constexpr double least = 1e-3, most = 1e3;
+  std::vector<double> corner(3 * mesh.triangles.size());
+  parallel_for(mesh.triangles.size(), chunk, [&](std::size_t t) {
+    const Int3& v = mesh.triangles[t];
+    Mat32 edges;
+    edges << x[v[1]] - x[v[0]], x[v[2]] - x[v[0]];
+    const Mat2& inverse = mesh.inverse_rest_edges[t];
+    const Mat32 gradient = edges * inverse;
+
+    // Principal stretches and directions of FᵀF = C; D has the same directions.
+    const Mat2 c = gradient.transpose() * gradient;
+    const double mean = 0.5 * (c(0, 0) + c(1, 1)), skew = 0.5 * (c(0, 0) - c(1, 1));
+    const double half = std::sqrt(skew * skew + c(0, 1) * c(0, 1));
+    const auto diffusivity = [&](double squared) {
+      return std::clamp(1.0 + gain * (std::sqrt(std::max(squared, 0.0)) - 1.0), least, most);
+    };
+    const double d1 = diffusivity(mean + half), d2 = diffusivity(mean - half);
+    const Mat2 direction = half > 0.0 ? Mat2((c - mean * Mat2::Identity()) / half) : Mat2(Mat2::Zero());
+    const Mat2 d = 0.5 * (d1 + d2) * Mat2::Identity() + 0.5 * (d1 - d2) * direction;
+
+    // Gradients of the hat functions: rows of B for corners 1 and 2, minus their sum for corner 0.
+    Eigen::Matrix<double, 3, 2> hat;
+    hat.row(1) = inverse.row(0);
+    hat.row(2) = inverse.row(1);
+    hat.row(0) = -hat.row(1) - hat.row(2);
+    for (int k = 0; k < 3; ++k)
+      corner[3 * t + k] = -mesh.rest_area[t] * hat.row((k + 1) % 3) * d * hat.row((k + 2) % 3).transpose();
   });
   return corner;
 }

@@ -5,7 +5,7 @@
 ///
 ///   cotan     w_ij = ρ (cot a_ij + cot b_ij)/2,  s_i = M_i              conserves Σ M u, O(h²)
 ///   umbrella  w_ij = 2 f/|d_ij|,                 s_i = E_i = Σ_j |d_ij|  [Kim 2017, Eq 3] times E_i: conserves Σ E
-///   u graph     w_ij = 4/h²,                       s_i = valence           conserves Σ n u
+///   u graph       w_ij = 4/h²,                       s_i = valence           conserves Σ n u
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -31,6 +31,11 @@ SheetGraph build_graph(const solid::ShellMesh& mesh);
 /// Half cotangent of each triangle corner (3 per triangle) in the shape `x`, times rest area over current
 /// area: a stretched sheet holds the same amount on a longer way, so stretch q divides the rate by q².
 std::vector<double> corner_cotangents(const solid::ShellMesh& mesh, const std::vector<Vec3>& x);
+
+/// The same for the tensor D = I + gain (U - I), U = √(FᵀF) the right stretch of the triangle in shape x: entry k
+/// is -A g_i·D g_j with g the gradients of the hat functions at the two other corners [m²/m²]. For gain 0 or a
+/// rigid shape these are the half cotangents. D is cut to principal values in [1e-3, 1e3].
+std::vector<double> tensor_corners(const solid::ShellMesh& mesh, const std::vector<Vec3>& x, double gain);
 
 /// Symmetric weights w per edge and storage s per vertex of one operator.
 struct SheetOperator {

@@ -6,7 +6,9 @@ namespace wick::diffusion {
 namespace {
 
 constexpr const char* preset_names[] = {"burning", "wetting", "literal"};
-constexpr const char* model_names[] = {"isotropic", "strain_constrained", "strain_unconstrained"};
+constexpr const char* model_names[] = {
+    "isotropic", "strain_constrained", "strain_unconstrained", "porous", "diffuse_gravity", "noise", "strain_noise",
+    "tensor"};
 constexpr const char* operator_names[] = {"cotan", "umbrella", "graph"};
 constexpr const char* metric_names[] = {"rest", "current"};
 constexpr const char* measure_names[] = {"invariant", "orthotropic"};
@@ -121,6 +123,8 @@ void describe_front(ParameterVisitor& v, DiffusionParams& p) {
   v.choice(
       {"total", "", {}, "total that is kept: weighted by what a vertex holds, or the plain sum of Kim 2017, Eq 8b"},
       p.total, total_names);
+  v.number({"capacity", "1", at_least(0.0), "u above this is refused and booked as excess; 0: no limit"},
+           p.capacity);
 }
 
 }  // namespace
@@ -169,15 +173,26 @@ void describe(ParameterVisitor& v, DiffusionParams& p) {
             "step and mesh)"},
            p.preset, preset_names);
   if (p.preset != before) p = make_preset(p.preset);
-  v.choice({"model",
-            "",
-            {},
-            "isotropic: no strain; strain_constrained: Eq 8; strain_unconstrained: Eq 7, strain added everywhere "
-            "and not rescaled"},
-           p.model, model_names);
+  v.choice(
+      {"model",
+       "",
+       {},
+       "how u moves: strain_constrained is Eq 8 of Kim 2017; isotropic has no strain; strain_unconstrained is Eq "
+       "7, "
+       "strain everywhere and no rescale; porous [Lenaerts 2008]; diffuse_gravity [Patkar 2013]; noise in place of "
+       "strain; strain_noise: strain times noise; tensor follows the principal stretches"},
+      p.model, model_names);
   describe_diffusion(v, p);
   describe_strain(v, p);
   describe_front(v, p);
+  v.nested("noise", "gradient noise of the models noise and strain_noise", p.noise);
+  v.nested("porous", "capillary flow of the model porous; lengths follow metric, weights are always cotan",
+           p.porous);
+  v.nested("gravity_transport", "transfers along edges of the model diffuse_gravity", p.gravity_transport);
+  v.number(
+      {"tensor_gain", "1", between(0.0, 1e3),
+       "k_t of the model tensor: D = alpha (I + k_t (U - I)) with U the stretch; above 8 obtuse meshes limit it"},
+      p.tensor_gain);
 }
 
 }  // namespace wick::diffusion

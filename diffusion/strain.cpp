@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diffusion/perlin.h"
 #include "diffusion/sums.h"
 
 namespace wick::diffusion {
@@ -90,6 +91,24 @@ void vertex_strain(const DiffusionParams& params, const solid::ShellMesh& mesh, 
     const bool density = params.gain_form == Gain::density;
     const double value = params.gain * (density ? dt * (area > 0.0 ? energy / area : 0.0) : energy / 3.0);
     c[i] = std::min(value, most);
+  });
+}
+
+void apply_noise(const DiffusionParams& params, const solid::ShellMesh& mesh, double dt, std::vector<double>& c) {
+  const NoiseParams& n = params.noise;
+  const bool alone = params.model == Model::noise;
+  if (!alone && params.model != Model::strain_noise) return;
+  const bool density = params.gain_form == Gain::density;
+  parallel_for(c.size(), chunk, [&](std::size_t i) {
+    const Vec3 at = mesh.has_chart() ? Vec3(mesh.material[i].x(), mesh.material[i].y(), 0.0) : mesh.rest[i];
+    const double p = n.amplitude * perlin(n.frequency * at, static_cast<std::uint64_t>(n.seed));
+    if (!alone) {
+      c[i] *= std::max(0.0, 1.0 + p);
+      return;
+    }
+    // c = ½ S everywhere gives κ dt c, or κ A c with A a third of the areas around.
+    const double unit = params.gain * n.level * (density ? dt : mesh.vertex_area[i]);
+    c[i] = std::min(unit * std::max(0.0, p), 1e30);
   });
 }
 

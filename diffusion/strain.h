@@ -22,4 +22,8 @@ void triangle_strain(const DiffusionParams& params, const solid::ShellMesh& mesh
 void vertex_strain(const DiffusionParams& params, const solid::ShellMesh& mesh, const std::vector<double>& strain,
                    double dt, std::vector<double>& c);
 
+/// What the models noise and strain_noise make of C, in place: kappa dt level a max(0, P(f X)), or
+/// C max(0, 1 + a P(f X)), with P Perlin's noise at the material coordinates X (rest positions without a chart).
+void apply_noise(const DiffusionParams& params, const solid::ShellMesh& mesh, double dt, std::vector<double>& c);
+
 }  // namespace wick::diffusion

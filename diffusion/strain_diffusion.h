@@ -13,16 +13,23 @@
 #include <vector>
 
 #include "core/report.h"
+#include "diffusion/comparison_params.h"
 #include "solid/shell_mesh.h"
-
-namespace wick {
-class ParameterVisitor;
-}
 
 namespace wick::diffusion {
 
 enum class Preset { burning, wetting, literal };
-enum class Model { isotropic, strain_constrained, strain_unconstrained };  // more follow: methods section 10
+/// How u moves over the sheet: the paper's method, and what it is compared with.
+enum class Model {
+  isotropic,             ///< no strain; also the diffusion of burning shells in [Jeong 2011]
+  strain_constrained,    ///< Eq (8)
+  strain_unconstrained,  ///< Eq (7): C everywhere, no rescaling
+  porous,                ///< capillary, pore pressure, Darcy flow [Lenaerts 2008]
+  diffuse_gravity,       ///< saturation differences and gravity along the edges [Patkar 2013]
+  noise,                 ///< Eq (8) with noise in place of strain
+  strain_noise,          ///< Eq (8) with strain times noise
+  tensor                 ///< a diffusion tensor that follows the principal stretches
+};
 enum class Operator { cotan, umbrella, graph };
 enum class Metric { rest, current };
 enum class Measure { invariant, orthotropic };
@@ -63,6 +70,12 @@ struct DiffusionParams {
   SigmaMode sigma_mode = SigmaMode::rate;
   double sigma_tau = 1.0;  ///< [s]
   Total total = Total::area;
+  double capacity = 0.0;  ///< cap on u; 0: none
+  // comparison models
+  NoiseParams noise;
+  PorousParams porous;
+  GravityTransportParams gravity_transport;
+  double tensor_gain = 2.0;  ///< k_t of D = alpha (I + k_t (U - I)), U the right stretch
 };
 /// The forms and defaults of one preset. Rule for the gain: kappa = 0.4 Pi/(c_mean t) with c_mean the mean of c
 /// under the expected load, t half the time of the run and Pi the strength (0.1 invisible, 1-3 visible, 10-30
@@ -86,6 +99,7 @@ struct DiffusionInput {
   const std::vector<double>* amount = nullptr;  ///< explicit f_i, amount added this step [M units]; null: none
   const std::vector<double>* fraction_left = nullptr;  ///< mu_i for `virgin`; null: 1
   double capacity = 0.0;                               ///< cap on u; 0: none
+  Vec3 gravity = Vec3::Zero();                         ///< [m/s2], for the models that it drives
 };
 
 struct DiffusionReport {

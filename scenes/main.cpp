@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenes/bundled.h"
+#include "scenes/experiments/experiment.h"
 #include "scenes/json_text.h"
 #include "scenes/reference.h"
 #include "scenes/run.h"
@@ -26,7 +27,7 @@ struct CommandLine {
   RunOptions options;
   std::string scene;
   std::string pointer;
-  std::string experiment = "list";
+  ExperimentOptions experiment;
   int frames = 0;
   int requeue_code = static_cast<int>(ExitCode::checkpointed);
   bool markdown = false;
@@ -56,8 +57,12 @@ void add_commands(CLI::App& app, CommandLine& line) {
   explain->add_option("pointer", line.pointer, "only what is at or below /this/pointer");
   explain->add_flag("--markdown", line.markdown, "the whole reference as a page");
   app.add_subcommand("schema", "print the JSON Schema of scene files");
-  CLI::App* experiment = app.add_subcommand("experiment", "list the bundled experiments");
-  experiment->add_option("what", line.experiment, "list")->check(CLI::IsMember({"list"}));
+  CLI::App* experiment = app.add_subcommand("experiment", "measure a figure of the paper");
+  experiment->add_option("names", line.experiment.names, "experiments, or all, or list [list]");
+  experiment->add_flag("--quick", line.experiment.quick, "fewer seeds: a look, not a result");
+  experiment->add_option("--out", line.experiment.out, "folder of tables and pictures [out/experiments]");
+  experiment->add_option("--page", line.experiment.page, "also write the results as a Markdown page");
+  experiment->add_flag("--quiet", line.experiment.quiet, "no progress lines");
 }
 
 ExitCode run_or_check(CommandLine& line, bool run) {
@@ -72,7 +77,7 @@ ExitCode perform(const CLI::App& app, CommandLine& line) {
   if (app.got_subcommand("run") || app.got_subcommand("check"))
     return run_or_check(line, app.got_subcommand("run"));
   if (app.got_subcommand("list")) fmt::print("{}", list_of_scenes(bundled_folder()));
-  if (app.got_subcommand("experiment")) fmt::print("{}", list_of_scenes(bundled_folder() / "experiments"));
+  if (app.got_subcommand("experiment")) run_experiments(line.experiment);
   if (app.got_subcommand("explain")) fmt::print("{}", line.markdown ? reference_page() : explain(line.pointer));
   if (app.got_subcommand("schema")) fmt::print("{}\n", scene_schema().dump(2));
   return ExitCode::done;

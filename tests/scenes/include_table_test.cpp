@@ -34,6 +34,7 @@ const Heavy heavy[] = {
     {"^CLI/", {"scenes"}},
     {"^nlohmann/json.hpp", {"scenes"}},
     {"^png.h", {"scenes"}},
+    {"^cairo", {"scenes"}},
 };
 
 struct Include {

@@ -1,0 +1,73 @@
+#pragma once
+/// What one solver keeps between and within steps; its members are the lines of the paper's list
+/// [Kim & Lee 2017, Eqs (8a)-(8g)].
+#include "diffusion/edge_transfers.h"
+#include "diffusion/linear_solver.h"
+#include "diffusion/operators.h"
+#include "diffusion/redistribution.h"
+#include "diffusion/strain_diffusion.h"
+
+namespace wick::diffusion {
+
+using Values = std::vector<double>;
+
+/// Value of an optional span.
+inline double at(const Values* values, std::size_t i, double otherwise = 0.0) {
+  return values == nullptr ? otherwise : (*values)[i];
+}
+
+struct DiffusionSolver::Impl {
+  DiffusionParams params;
+  // One topology: its triangles and rest shape tell whether it is still the same.
+  std::vector<Int3> triangles;
+  std::vector<Vec3> rest;
+  SheetGraph graph;
+  Values rest_corner;
+  SheetOperator reference, kernel_reference;
+  LinearSolver solver, kernel_solver;
+  // Scratch of one step.
+  Values corner, extra, edge_factor, rhs, unit_weight;
+  SheetOperator op, kernel_op;
+  SheetMatrix matrix, kernel_matrix;
+  Values loss, supply, amount, given;  ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
+  Values c, c_front, strain;
+
+  explicit Impl(const DiffusionParams& p) : params(p) {}
+
+  OperatorChoice choice(bool clamp) const { return {params.discretisation, params.umbrella_factor, clamp}; }
+
+  void follow_topology(const solid::ShellMesh& mesh);
+  void build_edges(const DiffusionInput& in, const OperatorChoice& wanted);
+  void build_matrix(const DiffusionInput& in, double dt);
+  void book_external(const Values& u, const DiffusionInput& in, double dt, DiffusionReport& report);
+  void spread(const Values& u, const DiffusionInput& in, double dt, Values& u_star, DiffusionReport& report);
+  void diffuse(const Values& u, const DiffusionInput& in, double dt, Values& u_star, DiffusionReport& report);
+  void transfer(const DiffusionInput& in, double dt, Values& u_star, DiffusionReport& report);
+  void sharpen(const Values& u);
+  void close_budget(const Values& u, const DiffusionInput& in, Values& u_star, DiffusionReport& report);
+  void close_supplied(std::span<const std::int32_t> members, const Values& u, const Values& mass,
+                      const Values& u_star);
+  void add_strain(const DiffusionInput& in, double dt, const Values& u_star, DiffusionReport& report);
+  void redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
+  void add_everywhere(const DiffusionInput& in, const Values& u_star, Values& u, DiffusionReport& report);
+  Kernel make_kernel(const DiffusionInput& in, DiffusionReport& report);
+
+  /// C is a small part of u, and the totals are made exact afterwards: two digits less are enough.
+  double increment_tolerance() const { return 100.0 * params.tolerance; }
+
+  /// Storage per unit of M: 1 for cotan, whose storage is M itself.
+  double unit(const Values& mass, std::size_t i) const { return mass[i] > 0.0 ? matrix.storage[i] / mass[i] : 0.0; }
+
+  /// Adds up the work of all solves; residuals are those of Eq (8a).
+  static void note(DiffusionReport& report, const SolveReport& solve, bool increment) {
+    report.solve.iterations += solve.iterations;
+    report.solve.converged = report.solve.converged && solve.converged;
+    report.solve.seconds += solve.seconds;
+    if (increment) return;
+    report.solve.residual_before = solve.residual_before;
+    report.solve.residual_after = solve.residual_after;
+    report.solve.rhs_sum = solve.rhs_sum;
+  }
+};
+
+}  // namespace wick::diffusion

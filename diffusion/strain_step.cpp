@@ -1,0 +1,111 @@
+/// Eqs (8b)-(8g) [Kim & Lee 2017]: strain on the front, and the total rescaled to its target.
+#include <algorithm>
+#include <cmath>
+
+#include "diffusion/strain.h"
+#include "diffusion/strain_diffusion_impl.h"
+
+namespace wick::diffusion {
+
+namespace {
+
+/// Whether a model adds C; the others only report it.
+bool adds_strain(Model model) {
+  return model == Model::strain_constrained || model == Model::strain_unconstrained || model == Model::noise ||
+         model == Model::strain_noise;
+}
+
+}  // namespace
+
+/// C of each vertex, through the same solve when the order asks for it.
+void DiffusionSolver::Impl::add_strain(const DiffusionInput& in, double dt, const Values& u_star,
+                                       DiffusionReport& report) {
+  triangle_strain(params, *in.mesh, *in.x, in.rest_scale, strain);
+  vertex_strain(params, *in.mesh, strain, dt, c);
+  apply_noise(params, *in.mesh, dt, c);
+  c_front.assign(c.size(), 0.0);
+  const bool any = std::any_of(c.begin(), c.end(), [](double value) { return value > 0.0; });
+  if (!adds_strain(params.model) || !any) return;
+  c_front = c;
+  if (params.order == Order::inside) {
+    parallel_for(c.size(), chunk, [&](std::size_t i) { rhs[i] = matrix.storage[i] * c[i]; });
+    note(report, solver.solve(matrix, rhs, increment_tolerance(), c_front), true);
+    parallel_for(c.size(), chunk, [&](std::size_t i) { c_front[i] = std::max(c_front[i], 0.0); });
+  }
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if ((*in.mass)[i] <= 0.0 || u_star[i] < 0.0) c_front[i] = 0.0;
+}
+
+/// K = (M + R² L)^-1 on the rest shape.
+Kernel DiffusionSolver::Impl::make_kernel(const DiffusionInput& in, DiffusionReport& report) {
+  build_operator(*in.mesh, graph, {}, in.mesh->rest, rest_corner, *in.mass, kernel_op);
+  assemble(graph, kernel_op, params.scope_radius * params.scope_radius, {}, {}, kernel_matrix);
+  kernel_matrix.reference = &kernel_reference;
+  kernel_matrix.constant = true;
+  return [this, &report](const Values& right) {
+    Values result(right.size(), 0.0);
+    note(report, kernel_solver.solve(kernel_matrix, right, increment_tolerance(), result), true);
+    for (double& value : result) value = std::max(value, 0.0);
+    return result;
+  };
+}
+
+/// Eq (7): C everywhere, no front, no rescaling.
+void DiffusionSolver::Impl::add_everywhere(const DiffusionInput& in, const Values& u_star, Values& u,
+                                           DiffusionReport& report) {
+  const Values& mass = *in.mass;
+  report.strain_added = sum_of(u.size(), [&](std::size_t i) { return mass[i] * c_front[i]; });
+  report.sigma_source += report.strain_added;
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = u_star[i] + c_front[i];
+}
+
+/// Eqs (8b)-(8g).
+void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u,
+                                         DiffusionReport& report) {
+  const Values& mass = *in.mass;
+  const std::size_t n = u.size();
+  const bool plain = params.total == Total::plain;
+  const std::vector<std::uint8_t> front = front_band(params, u_star, in.fraction_left);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (front[i] == 0)
+      c_front[i] = 0.0;
+    else if (mass[i] > 0.0)
+      ++report.front_vertices;
+    u[i] = u_star[i] + c_front[i];
+  }
+  report.strain_added = sum_of(n, [&](std::size_t i) { return mass[i] * c_front[i]; });
+  Values supplied = given;
+  if (plain) {
+    unit_weight.assign(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i)
+      if (mass[i] > 0.0) unit_weight[i] = 1.0, supplied[i] /= mass[i];
+  }
+  const RescaleInput input{.components = &graph.components,
+                           .whole = &graph.whole,
+                           .mass = &mass,
+                           .weight = plain ? &unit_weight : &mass,
+                           .u_star = &u_star,
+                           .c = &c_front,
+                           .front = &front,
+                           .supply = &supplied,
+                           .capacity = in.capacity,
+                           .dt = dt};
+  const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
+  const RescaleResult result = rescale(params, input, local ? make_kernel(in, report) : Kernel(), u);
+  report.rescale = result.rescale;
+  if (!plain) {
+    report.excess += result.excess;
+    report.sigma_source += result.created;
+    return;
+  }
+
+  // The plain sum says nothing about amounts: book what it has changed.
+  const double held = sum_of(n, [&](std::size_t i) { return mass[i]; });
+  const double count = sum_of(n, [&](std::size_t i) { return unit_weight[i]; });
+  const double excess = count > 0.0 ? result.excess * held / count : 0.0;
+  const double change = sum_of(n, [&](std::size_t i) { return mass[i] * (u[i] - u_star[i]); });
+  report.excess += excess;
+  report.sigma_source += change + excess;
+  report.drift += change + excess;
+}
+}  // namespace wick::diffusion

@@ -1,0 +1,72 @@
+/// Figs 1 and 9: a sheet burns with each method on the same deformation.
+#include <fmt/format.h>
+
+#include "scenes/experiments/catalogue.h"
+#include "scenes/experiments/comparison.h"
+
+namespace wick::scenes {
+
+namespace {
+
+const FrontQuestion burnt_band = {FrontOf::char_, 0.4, true};
+
+ExperimentReport burning_methods(const Surroundings& s) {
+  const Comparison all = compare(s, "crumple_burning",
+                                 {model("isotropic", "isotropic"), model("ours", "strain_constrained"),
+                                  model("Eq 7", "strain_unconstrained"), model("tensor", "tensor")},
+                                 burnt_band);
+  ExperimentReport report;
+  report.checks = {at_least("P(ours)/P(isotropic)",
+                            over(all.of(1, &FrontNumbers::tortuosity), all.of(0, &FrontNumbers::tortuosity)), 1.15),
+                   at_least("rG(ours)", all.of(1, &FrontNumbers::displacement), 0.5),
+                   at_least("Rq4(ours) [edges]", all.roughness(1), 0.4),
+                   at_most("Rq4(isotropic) [edges]", all.roughness(0), 0.1),
+                   reported("rG(ours), unburnt places", all.of(1, &FrontNumbers::ahead)),
+                   reported("Df(ours)", all.of(1, &FrontNumbers::dimension)),
+                   reported("Df(isotropic)", all.of(0, &FrontNumbers::dimension)),
+                   reported("r_s(ours)", all.of(1, &FrontNumbers::advance)),
+                   reported("Rq4(Eq 7) [edges]", all.roughness(2)),
+                   reported("Rq4(tensor) [edges]", all.roughness(3))};
+  report.tables.push_back(numbers_table("numbers", all.numbers));
+  report.pictures.push_back({"fronts",
+                             "char when 0.4 of the sheet is burnt, on the same crumpled sheet; line: half burnt",
+                             draw_sheets(panels_of(all, burnt_band, ColorScale::fire), 4)});
+  return report;
+}
+
+/// Lenaerts' and Patkar's models in the loop of burning. Their rates are matched to the isotropic advance; gravity
+/// acts across the sheet's plane, as it lies.
+ExperimentReport earlier_methods(const Surroundings& s) {
+  const Comparison all = compare(
+      s, "crumple_burning",
+      {model("isotropic", "isotropic"),
+       model("ours", "strain_constrained"),
+       {"porous", {"/diffusion/model=porous", "/diffusion/porous/permeability=5e-9", "/diffusion/porous/full=4"}},
+       {"diffuse_gravity",
+        {"/diffusion/model=diffuse_gravity", "/diffusion/gravity_transport/diffusion_rate=86",
+         "/diffusion/gravity_transport/gravity_rate=17", "/diffusion/gravity_transport/transport_threshold=0.05"}}},
+      burnt_band);
+  ExperimentReport report;
+  for (const std::size_t m : {2, 3}) {
+    add_earlier_method(all, m, 1, report);
+    report.checks.push_back(reported("A(" + all.numbers[m].label + ")", all.of(m, &FrontNumbers::covered)));
+  }
+  report.checks.push_back(reported("rG(ours)", all.of(1, &FrontNumbers::displacement)));
+  report.tables.push_back(numbers_table("numbers", all.numbers));
+  report.pictures.push_back({"fronts", "char when 0.4 of the sheet is burnt (or at the end); line: half burnt",
+                             draw_sheets(panels_of(all, burnt_band, ColorScale::fire), 4)});
+  return report;
+}
+
+}  // namespace
+
+void add_fire(std::vector<Experiment>& list) {
+  list.push_back({"fig01", "Fig 1: a sheet burns with several methods", "ours ragged, the others smooth", "",
+                  burning_methods});
+}
+
+void add_earlier_fire(std::vector<Experiment>& list) {
+  list.push_back({"fig09", "Fig 9: the same with earlier methods", "smooth fronts", "", earlier_methods});
+}
+
+}  // namespace wick::scenes

@@ -1,0 +1,130 @@
+/// Figs 17 and 18: sigma as the rate of absorption, and noise on top of strain.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diffusion/front_shape.h"
+#include "scenes/experiments/catalogue.h"
+#include "scenes/experiments/comparison.h"
+
+namespace wick::scenes {
+
+namespace {
+
+const FrontQuestion wet_band = {FrontOf::u, 0.35, true};
+const std::vector<double> sigmas = {0.5, 1.0, 1.5, 2.0};
+
+double flow(const SheetFrame& frame, const std::string& term) {
+  const auto found = frame.heat.find(term);
+  return found == frame.heat.end() ? 0.0 : found->second;
+}
+
+double covered_at_end(const SheetHistory& h) {
+  return diffusion::find_front(h.mesh, diffusion::front_coordinates(h.mesh), h.frames.back().u, 0.5).covered();
+}
+
+/// Largest relative error of the total against the formula of the mode. Influx: what sigma made is (σ - 1) times
+/// what was supplied. Rate: after the supply has stopped the total grows as σ^(t/τ). Nothing may have met the
+/// capacity.
+double formula_error(const SheetHistory& h, const std::string& mode, double sigma, double stopped) {
+  double worst = 0.0;
+  const SheetFrame* first = nullptr;
+  for (const SheetFrame& frame : h.frames) {
+    if (mode == "influx") {
+      const double supplied = flow(frame, "heat_sources");
+      if (supplied > 0.0)
+        worst = std::max(worst, std::abs(flow(frame, "sigma") - (sigma - 1.0) * supplied) / supplied);
+    } else if (frame.time > stopped + 1e-9) {
+      if (first == nullptr) first = &frame;
+      const double expected = flow(*first, "stock") * std::pow(sigma, frame.time - first->time);
+      worst = std::max(worst, std::abs(flow(frame, "stock") / expected - 1.0));
+    }
+  }
+  return worst;
+}
+
+ExperimentReport absorption_rates(const Surroundings& s) {
+  ExperimentReport report;
+  Table table{.name = "coverage", .columns = {"mode", "sigma", "A", "Q", "excess", "formula_error"}, .rows = {}};
+  std::vector<SheetPanel> panels;
+  std::vector<SheetHistory> kept;
+  kept.reserve(12);
+  Chart chart{.title = "wet share of the sheet", .x_label = "sigma", .y_label = "A at the end", .series = {}};
+  for (const std::string mode : {"influx", "rate", "per_step"}) {
+    std::vector<double> coverage, error;
+    for (const double sigma : sigmas) {
+      s.say(fmt::format("fig17: {}, sigma {}", mode, sigma));
+      std::vector<std::string> changes = {"/diffusion/sigma_mode=" + mode,
+                                          fmt::format("/diffusion/sigma={}", sigma)};
+      kept.push_back(replay(s.scene("crumple_wetting", changes)));
+      coverage.push_back(covered_at_end(kept.back()));
+      // The formula is checked where no capacity binds.
+      changes.insert(changes.end(), {"/diffusion/capacity=0", "/heat_sources/0/stop=0.5"});
+      error.push_back(
+          mode == "per_step" ? 0.0 : formula_error(replay(s.scene("crumple_wetting", changes)), mode, sigma, 0.5));
+      const SheetFrame& last = kept.back().frames.back();
+      table.add({mode}, {sigma, coverage.back(), flow(last, "stock"), flow(last, "excess"), error.back()});
+      panels.push_back(front_panel(fmt::format("{}, sigma {}", mode, sigma), kept.back(), {FrontOf::u, 2.0, true},
+                                   ColorScale::water));
+    }
+    chart.series.push_back({mode, sigmas, coverage});
+    if (mode == "per_step") {
+      for (std::size_t k = 0; k < sigmas.size(); ++k)
+        report.checks.push_back(reported(fmt::format("A(T), per_step, sigma {}", sigmas[k]), {coverage[k]}));
+      continue;
+    }
+    report.checks.push_back(holds("A(T) increases with sigma, " + mode,
+                                  std::is_sorted(coverage.begin(), coverage.end(), std::less_equal<>()),
+                                  "strictly"));
+    report.checks.push_back(at_most("error of Q(t) against its formula, " + mode,
+                                    {*std::max_element(error.begin(), error.end())}, 1e-10));
+  }
+  report.tables.push_back(table);
+  report.pictures.push_back({"sigma",
+                             "saturation after 2 s; rows: sigma on the influx, as a rate, and per step as printed",
+                             draw_sheets(panels, 4, 200)});
+  report.pictures.push_back({"coverage", "wet share after 2 s over sigma", draw_charts({chart})});
+  return report;
+}
+
+/// Power of the front's curvature below L/16, seed by seed of the first seed's runs.
+double fine_power(const SheetHistory& run, const FrontQuestion& question) {
+  const diffusion::Front front = diffusion::find_front(
+      run.mesh, diffusion::front_coordinates(run.mesh),
+      front_field(run.frames[frame_at_coverage(run, question.of, question.coverage)], question.of), 0.5);
+  const double h = mean_edge(run.mesh);
+  return diffusion::fine_curvature_power(front, sheet_width(run.mesh) / 16.0, h, 6.0 * h);
+}
+
+ExperimentReport noise_on_strain(const Surroundings& s) {
+  const Comparison all =
+      compare(s, "crumple_wetting",
+              {model("isotropic", "isotropic"),
+               model("strain", "strain_constrained"),
+               {"noise", {"/diffusion/model=noise", "/diffusion/noise/frequency=24"}},
+               {"strain + noise", {"/diffusion/model=strain_noise", "/diffusion/noise/frequency=24"}}},
+              wet_band);
+  ExperimentReport report;
+  report.checks = {at_most("|r_s(noise)|", all.advance_size(2), 0.15),
+                   at_least("rG(strain + noise)", all.of(3, &FrontNumbers::displacement), 0.3),
+                   at_least("curvature power below L/16, strain + noise over strain",
+                            {fine_power(all.first[3], wet_band) / fine_power(all.first[1], wet_band)}, 1.5),
+                   reported("rG(strain)", all.of(1, &FrontNumbers::displacement)),
+                   reported("rG(noise)", all.of(2, &FrontNumbers::displacement))};
+  report.tables.push_back(numbers_table("numbers", all.numbers));
+  report.pictures.push_back({"noise", "saturation when 0.35 of the sheet is wet; line: u = 0.5",
+                             draw_sheets(panels_of(all, wet_band, ColorScale::water), 4)});
+  return report;
+}
+
+}  // namespace
+
+void add_rates(std::vector<Experiment>& list) {
+  list.push_back({"fig17", "Fig 17: a higher sigma absorbs faster", "the wet area grows with sigma, details stay",
+                  "", absorption_rates});
+  list.push_back({"fig18", "Fig 18: Perlin noise added", "noise alone does not follow strain; both together do", "",
+                  noise_on_strain});
+}
+
+}  // namespace wick::scenes

@@ -1,0 +1,74 @@
+#include "scenes/experiments/results_page.h"
+
+#include <fmt/format.h>
+
+#include "scenes/atomic_file.h"
+
+namespace wick::scenes {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const char* mark(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::pass:
+      return "pass";
+    case Verdict::fail:
+      return "**fail**";
+    case Verdict::reported:
+      break;
+  }
+  return "";
+}
+
+std::string section(const FinishedExperiment& f, const std::string& folder) {
+  std::string text = fmt::format("## {}: {}\n\nTo be seen: {}\n\n", f.experiment->name, f.experiment->figure,
+                                 f.experiment->to_be_seen);
+  for (const NamedPicture& p : f.report.pictures)
+    text +=
+        fmt::format("![{}]({}/{}-{}.png)\n\n*{}*\n\n", p.caption, folder, f.experiment->name, p.name, p.caption);
+  text += "| number | value | threshold | |\n|---|---|---|---|\n";
+  for (const Check& check : f.report.checks)
+    text += fmt::format("| {} | {} | {} | {} |\n", check.what, format_value(check.value), check.threshold,
+                        mark(check.verdict));
+  text += "\n";
+  if (!f.report.analysis.empty()) text += f.report.analysis + "\n\n";
+  return text;
+}
+
+}  // namespace
+
+std::string format_value(const diffusion::Spread& value) {
+  if (value.deviation == 0.0) return fmt::format("{:.4g}", value.mean);
+  return fmt::format("{:.3g} ± {:.1g}", value.mean, value.deviation);
+}
+
+void write_results_page(const fs::path& page, const std::vector<FinishedExperiment>& finished, bool quick) {
+  const std::string folder = page.stem().string();
+  int passed = 0, failed = 0;
+  for (const FinishedExperiment& f : finished)
+    for (const Check& check : f.report.checks) {
+      passed += check.verdict == Verdict::pass ? 1 : 0;
+      failed += check.verdict == Verdict::fail ? 1 : 0;
+    }
+  std::string text = fmt::format(
+      "# Results\n\nWritten by `wick experiment all --page docs/results.md`{}. Thresholds were set before the "
+      "runs. {} "
+      "passed, {} failed; failures are kept and explained. Values are means ± standard deviations over seeds.\n\n",
+      quick ? " **in quick mode: fewer seeds, a look and not a result**" : "", passed, failed);
+  for (const FinishedExperiment& f : finished) text += section(f, folder);
+  for (const Experiment& e : experiments())
+    if (*e.waits_for != '\0') text += fmt::format("- {} ({}) waits for {}.\n", e.name, e.figure, e.waits_for);
+
+  const fs::path pictures = page.parent_path() / folder;
+  make_folder(pictures);
+  for (const FinishedExperiment& f : finished)
+    for (const NamedPicture& p : f.report.pictures) {
+      const std::vector<char> png = encode_png(p.picture);
+      write_file(pictures / fmt::format("{}-{}.png", f.experiment->name, p.name), Bytes(png.begin(), png.end()));
+    }
+  write_file(page, Bytes(text.begin(), text.end()));
+}
+
+}  // namespace wick::scenes
