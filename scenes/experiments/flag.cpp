@@ -32,6 +32,10 @@ ExperimentReport sigmas_on_a_flag(const Surroundings& s) {
   }
   report.checks.push_back(holds("A(T) is ordered by sigma",
                                 std::is_sorted(coverage.begin(), coverage.end(), std::less_equal<>()), "strictly"));
+  report.analysis =
+      "The strain of a flag moves over it several times a second, faster than the front advances, so that the "
+      "advance sees its mean over "
+      "time rather than the value of the moment that r_s asks for.";
   report.tables.push_back(numbers_table("numbers", all.numbers));
   report.pictures.push_back({"sigma",
                              "saturation on the flag when 0.35 of it is wet (or at the end); line: u = 0.5",
