@@ -97,6 +97,8 @@ void add_wrinkles(Sheet& sheet) {
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   for (const Vec3& x : sheet.mesh.rest) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double extent = std::max((high - low).norm(), 1e-12);
+  require(p.wrinkle <= extent, sheet.pointer + "/mesh/wrinkle",
+          "is more than the whole sheet measures (" + std::to_string(extent) + " m); lower it");
   const std::vector<Vec3> normals = solid::vertex_normals(sheet.mesh, sheet.mesh.rest);
   for (std::size_t i = 0; i < sheet.state.x.size(); ++i)
     sheet.state.x[i] += p.wrinkle * smooth_noise(sheet.mesh.rest[i] - low, extent, p.seed) * normals[i];
@@ -236,6 +238,16 @@ void visit(StateVisitor& visitor, Sheet& sheet) {
   visitor.array("theta", sheet.theta);
   visit(visitor, sheet.burning);
   if (!sheet.gas_force.empty()) visitor.array("gas_force", sheet.gas_force);
+}
+
+void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacle>& obstacles) {
+  for (std::size_t n = 0; n < obstacles.size(); ++n)
+    for (const Sheet& sheet : sheets) {
+      const auto inside = [&](const Vec3& x) { return sample_distance(obstacles[n], x).distance < 0.0; };
+      require(!sheet.free() || !std::all_of(sheet.state.x.begin(), sheet.state.x.end(), inside),
+              "/obstacles/" + std::to_string(n),
+              "contains the whole of shell \"" + sheet.name + "\"; move one of them");
+    }
 }
 
 std::vector<Obstacle> build_obstacles(const WorldParams& world) {

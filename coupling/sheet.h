@@ -74,6 +74,9 @@ void follow_motion(Sheet& sheet, double t, double dt);
 
 void visit(StateVisitor& visitor, Sheet& sheet);
 
+/// Throws Refusal where a free sheet lies wholly inside an obstacle: no push out of it would be the right one.
+void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacle>& obstacles);
+
 /// The scene's rigid bodies, meshes sampled to signed distances.
 std::vector<Obstacle> build_obstacles(const WorldParams& world);
 

@@ -92,6 +92,11 @@ void check_world(const WorldParams& p) {
             "\"" + name + "\" cannot name a file; use letters, digits, _ . -");
     require(names.insert(name).second, pointer, "\"" + name + "\" is taken by an earlier shell; names must differ");
   }
+  // Below a tenth of a millimetre transforms of volumes lose their scale, and so do float velocities in cells a
+  // step.
+  if (p.smoke)
+    require(p.smoke->width / p.smoke->resolution[0] >= 1e-4, "/smoke/width",
+            "makes cells smaller than 0.1 mm; widen the box or lower /smoke/resolution");
   if (p.smoke)
     for (int a = 0; a < 3; ++a)
       require(

@@ -20,6 +20,7 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
   for (std::size_t n = 0; n < params.shells.size(); ++n)
     sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params));
   obstacles = build_obstacles(params);
+  require_outside(sheets, obstacles);
   if (params.smoke) {
     gas = fluid::make_smoke_state(*params.smoke);
     gas_solver = std::make_unique<fluid::SmokeSolver>(*params.smoke);
@@ -132,6 +133,11 @@ void World::Impl::move_gas(double dt, FrameReport& report) {
   ledgers["heat"].book_flow("outflow", -step.heat_out);
   ledgers["heat"].book_flow("advection", step.heat_advection);
   note_solve(report, "pressure", step.pressure);
+  // rhs_sum is the volume that closed walls push in [m³/s]; below a thousandth of what could leave through one side
+  // it is rounding.
+  const fluid::Grid& grid = raster->grid();
+  const double side = grid.h * grid.h * std::cbrt(std::pow(static_cast<double>(grid.cells()), 2));
+  if (step.pressure.rhs_sum > 1e-3 * step.max_speed * side) ++report.squeezed_steps;
   if (params.smoke->viscosity > 0.0 || params.smoke->diffusivity > 0.0)
     note_solve(report, "gas_diffusion", step.diffusion);
   for (const auto& [stage, seconds] : step.seconds) report.seconds["smoke_" + stage] += seconds;

@@ -77,7 +77,8 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   std::vector<std::int32_t> counts;
   if (frame_end) {
     end = {*frame_end, unfinished.steps_foreseen};
-    counts = {unfinished.substeps, unfinished.unconverged_solves, unfinished.lengthened_steps};
+    counts = {unfinished.substeps, unfinished.unconverged_solves, unfinished.lengthened_steps,
+              unfinished.squeezed_steps};
   }
   for (const auto& [stage, spent] : unfinished.seconds) {
     stages.push_back(stage);
@@ -95,7 +96,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   visitor.array("solvers", solvers);
   visitor.array("solve_values", solve_values);
   const bool any = !end.empty();
-  const bool fits = (!any || end.size() == 2) && counts.size() == (any ? 3 : 0) &&
+  const bool fits = (!any || end.size() == 2) && counts.size() == (any ? 4 : 0) &&
                     seconds.size() == stages.size() && solve_values.size() == 6 * solvers.size();
   if (!fits) throw std::runtime_error("the unfinished frame of a checkpoint does not fit together");
   frame_end.reset();
@@ -106,6 +107,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   unfinished.substeps = counts[0];
   unfinished.unconverged_solves = counts[1];
   unfinished.lengthened_steps = counts[2];
+  unfinished.squeezed_steps = counts[3];
   for (std::size_t i = 0; i < stages.size(); ++i) unfinished.seconds[stages[i]] = seconds[i];
   for (std::size_t i = 0; i < solvers.size(); ++i) {
     const double* v = &solve_values[6 * i];

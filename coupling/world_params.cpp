@@ -83,7 +83,7 @@ void describe(ParameterVisitor& v, HeatSourceParams& p) {
   v.number({"rate", "1/s", between(0, 1e9), "at which a sheet inside takes that temperature; 0: the gas only"},
            p.rate);
   v.number({"gas_power", "W", between(0, 1e12), "heat given to the gas"}, p.gas_power);
-  v.number({"gas_smoke", "kg/s", between(0, 1e6), "smoke given to the gas"}, p.gas_smoke);
+  v.number({"gas_smoke", "kg/s", between(0, 1e3), "smoke given to the gas"}, p.gas_smoke);
   v.number({"start", "s", between(0, kNever), "when it begins"}, p.start);
   v.number({"stop", "s", between(0, kNever), "when it ends"}, p.stop);
 }

@@ -27,13 +27,13 @@ void describe_side_velocity(ParameterVisitor& v, std::array<Vec3, 6>& velocity) 
 }
 
 void describe_forces(ParameterVisitor& v, SmokeParams& p) {
-  v.number({"buoyancy_heat", "1", any_value(), "b, multiplies the lift g (T - T_amb)/T; 1 is physical",
+  v.number({"buoyancy_heat", "1", between(-1e3, 1e3), "b, multiplies the lift g (T - T_amb)/T; 1 is physical",
             OnResume::may_change},
            p.buoyancy_heat);
-  v.number({"buoyancy_smoke", "1", any_value(), "a, multiplies the weight g rho_s/rho of the smoke; 1 is physical",
+  v.number({"buoyancy_smoke", "1", between(-1e3, 1e3), "a, multiplies the weight g rho_s/rho of the smoke; 1 is physical",
             OnResume::may_change},
            p.buoyancy_smoke);
-  v.number({"vorticity", "1/s", at_least(0),
+  v.number({"vorticity", "1/s", between(0, 1e6),
             "confinement eps [Fedkiw 2001]; too large: boiling noise at the grid scale", OnResume::may_change},
            p.vorticity);
   v.number({"viscosity", "m2/s", at_least(0), "nu of the air; 1.5e-5 is physical and below what a grid can show",
@@ -60,7 +60,7 @@ void describe_fading(ParameterVisitor& v, SmokeParams& p) {
 
 void describe(ParameterVisitor& v, SmokeParams& p) {
   v.vector({"resolution", "1", between(1, 4096), "cells along x, y, z"}, p.resolution);
-  v.vector({"lower", "m", any_value(), "lower corner of the box"}, p.lower);
+  v.vector({"lower", "m", between(-1e5, 1e5), "lower corner of the box"}, p.lower);
   v.number({"width", "m", between(1e-5, 1e6), "extent of the box along x; cells are cubes of width/nx"}, p.width);
   v.group("sides", "what each side of the box does", [&](ParameterVisitor& g) { describe_sides(g, p.sides); });
   v.number({"cfl", "1", above_up_to(0, 100),

@@ -14,6 +14,7 @@ namespace {
 /// Whole numbers are stored as such.
 bool is_count(const std::string& path) {
   return path == "/frame" || path == "/substeps" || path == "/unconverged_solves" || path == "/lengthened_steps" ||
+         path == "/squeezed_steps" ||
          path.ends_with("/iterations");
 }
 
@@ -78,6 +79,7 @@ Metrics::Row metrics_row(const coupling::World& world, const coupling::FrameRepo
   row["/time"] = world.time();
   row["/substeps"] = report.substeps;
   row["/unconverged_solves"] = report.unconverged_solves;
+  row["/squeezed_steps"] = report.squeezed_steps;
   row["/lengthened_steps"] = report.lengthened_steps;
   row["/memory/peak_rss_bytes"] = static_cast<double>(peak_memory());
   for (const auto& [stage, seconds] : report.seconds) row["/timing/" + stage] = seconds;

@@ -243,6 +243,11 @@ class Run {
       warn(fmt::format(
           "{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)",
           record_.unconverged_solves));
+    if (squeezed_steps_ > 0)
+      warn(fmt::format(
+          "in {} steps closed walls pushed more gas in than out, which cannot flow anywhere: open a side of "
+          "/smoke/sides, or keep obstacles from entering a closed box",
+          squeezed_steps_));
     if (lengthened_steps_ > 0)
       warn(
           fmt::format("{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten "
@@ -272,6 +277,7 @@ class Run {
     record_.state_hash = hex(hash);
     record_.unconverged_solves += report.unconverged_solves;
     lengthened_steps_ += report.lengthened_steps;
+    squeezed_steps_ += report.squeezed_steps;
   }
 
   void add_checkpoint(FrameOutput& output) {
@@ -354,6 +360,7 @@ class Run {
   Manifest manifest_;            ///< belongs to the writer's thread once frames are computed
   double last_checkpoint_ = -1;  ///< simulated time of the state that was saved last [s]
   long long lengthened_steps_ = 0;
+  long long squeezed_steps_ = 0;
   BackgroundWriter writer_{1};
 };
 
