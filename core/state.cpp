@@ -36,7 +36,7 @@ std::uint64_t hash_bytes(const void* bytes, std::size_t size, std::uint64_t seed
     for (int i = 0; i < 4; ++i) absorb(lane[i], p + 8 * i);
   for (; left >= 8; left -= 8, p += 8) absorb(lane[0], p);
   std::uint64_t tail = 0;
-  std::memcpy(&tail, p, left);
+  if (left > 0) std::memcpy(&tail, p, left);  // an empty field has no address
   std::uint64_t h = lane[0] ^ std::rotl(lane[1], 17) ^ std::rotl(lane[2], 31) ^ std::rotl(lane[3], 47);
   h ^= tail * k1 + size;
   h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;

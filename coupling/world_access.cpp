@@ -66,7 +66,7 @@ void World::visit(StateVisitor& visitor) {
                   [&] { visitor.value("displacement", world.obstacles[n].displacement); });
   if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
   for (auto& [quantity, ledger] : world.ledgers)
-    visitor.group("ledger_" + quantity, [&] { ledger.visit(visitor); });
+    visitor.group("ledger_" + quantity, [&visitor, &ledger = ledger] { ledger.visit(visitor); });
   visitor.group("unfinished_frame", [&] { world.visit_unfinished(visitor); });
 }
 

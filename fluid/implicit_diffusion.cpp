@@ -11,7 +11,6 @@ namespace wick::fluid {
 namespace {
 
 constexpr std::size_t row_grain = 16;
-constexpr std::size_t grain = 16384;
 
 /// A box of doubles within one layer of ghosts.
 struct Box {

@@ -193,7 +193,7 @@ TEST(LongBuoyancy, APlumeThinsOutAsItRises) {
   p.scalar_advection = Advection::conservative;
   p.active_window = false;
   const double power = 60.0;  // [W]
-  const Passage mean = run_plume(p, power, 8.0, 25.0);
+  const Passage mean = run_plume(p, power, 8.0, 40.0);
   const Grid g = smoke_grid(p);
   std::vector<double> z, w, theta, width;
   double least_heat = 1e300, most_heat = 0.0;

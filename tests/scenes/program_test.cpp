@@ -9,6 +9,7 @@
 
 #include "scenes/disk_estimate.h"
 #include "scenes/scene_file.h"
+#include "tests/support/sanitized.h"
 
 namespace wick::test {
 
@@ -179,6 +180,7 @@ TEST_F(Command, DamagedSceneFilesNeverCrashIt) {
 
 /// The estimate that refuses a scene: at least 0.9 and at most 1.5 of what the run then takes.
 TEST_F(Command, EstimatesTheMemoryItNeeds) {
+  if (sanitized) GTEST_SKIP() << "what a sanitized program resides in is no measure";
   const std::vector<std::string> box{"--set", "/smoke/resolution=[96,96,96]"};
   ASSERT_EQ(run({"run", "small.json", "--frames", "4", "--quiet", box[0], box[1]}).code, 0);
   const std::string text = run({"check", "small.json", box[0], box[1]}).out;
@@ -192,6 +194,7 @@ TEST_F(Command, EstimatesTheMemoryItNeeds) {
 }
 
 TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
+  if (sanitized) GTEST_SKIP() << "a sanitized program needs all of the address space";
   const Outcome outcome = run({"run", "small.json", "--set", "/smoke/resolution=[200,200,200]"}, [] {
     const rlimit limit{600 << 20, 600 << 20};
     ::setrlimit(RLIMIT_AS, &limit);
