@@ -103,6 +103,8 @@ std::vector<Vec3> replayed(const MotionTrack& track, double t) {
   if (after == static_cast<std::ptrdiff_t>(track.time.size())) return track.x.back();
   const std::vector<Vec3>&a = track.x[after - 1], &b = track.x[after];
   const double share = (t - track.time[after - 1]) / (track.time[after] - track.time[after - 1]);
+  // At a recorded time the places are those of the record, to the sign of zeros.
+  if (share <= 0.0) return a;
   std::vector<Vec3> x(a.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = (1.0 - share) * a[i] + share * b[i];
   return x;

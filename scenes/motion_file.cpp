@@ -43,6 +43,7 @@ class MotionReader {
     const std::vector<std::size_t> extents = file_.extents("/x", ScalarType::f64);
     if (extents.size() != 3 || extents[2] != 3) throw std::runtime_error("/x is not of frames x vertices x 3");
     const std::size_t frames = extents[0], vertices = extents[1];
+    require_room(frames, sizeof(Vec3) * static_cast<double>(vertices), "/x");
     coupling::MotionTrack track;
     track.time = list<double>("/time", ScalarType::f64, 1, frames);
     require_ascending(track.time);
@@ -65,9 +66,16 @@ class MotionReader {
     const std::size_t found = file_.rows(path, type, columns);
     if (found != rows)
       throw std::runtime_error(fmt::format("{} has {} rows, and /x asks for {}", path, found, rows));
+    require_room(rows, sizeof(T), path);
     std::vector<T> values(rows);
     if (rows > 0) file_.read(path, type, values.data());
     return values;
+  }
+
+  /// Damaged or packed, a small file may speak of more than memory holds.
+  static void require_room(std::size_t rows, double bytes, const std::string& path) {
+    if (static_cast<double>(rows) * bytes > 0.5 * static_cast<double>(available_memory()))
+      throw std::runtime_error(fmt::format("the {} rows of {} do not fit into memory", rows, path));
   }
 
   static void require_ascending(const std::vector<double>& time) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "core/require.h"
 #include "coupling/world.h"
@@ -136,11 +137,11 @@ TEST(MotionReplay, IsLinearBetweenItsTimesAndStandsStillOutside) {
     for (const Vec3& x : motion_at(p, mesh, t)) EXPECT_DOUBLE_EQ(x.z(), z) << t;
 }
 
-std::string refusal(const WorldParams& params) {
+std::string refused_pointer(const WorldParams& params) {
   try {
     const World world(params);
-  } catch (const Refusal& refused) {
-    return refused.pointer();
+  } catch (const Refusal& refusal) {
+    return refusal.pointer();
   }
   return "none";
 }
@@ -150,9 +151,9 @@ TEST(MotionReplay, RefusesTheMotionOfAnotherSheet) {
   const auto refused = [&](const std::shared_ptr<MotionTrack>& track) {
     try {
       require_motion_fits(recorded(track), mesh, "/shells/0/motion");
-    } catch (const Refusal& refused) {
-      EXPECT_EQ(refused.pointer(), "/shells/0/motion/file");
-      return std::string(refused.what());
+    } catch (const Refusal& refusal) {
+      EXPECT_EQ(refusal.pointer(), "/shells/0/motion/file");
+      return std::string(refusal.what());
     }
     return std::string();
   };
@@ -181,7 +182,8 @@ WorldParams swinging(int vertices = 13) {
 }
 
 std::vector<float> shown(const World& world, const std::string& name) {
-  for (const auto& [each, values] : world.shells().front().values)
+  const ShellView view = world.shells().front();
+  for (const auto& [each, values] : view.values)
     if (each == name) return values;
   return {};
 }
@@ -193,7 +195,8 @@ TEST(MotionReplay, GivesTheRecordedRunAgain) {
   auto track = std::make_shared<MotionTrack>();
   std::vector<std::vector<float>> u;
   for (int n = 0; n < 20; ++n) {
-    if (n > 0) ASSERT_EQ(original.step(kFrame).substeps, 1);
+    const int substeps = n > 0 ? original.step(kFrame).substeps : 1;
+    ASSERT_EQ(substeps, 1);
     track->time.push_back(original.time());
     track->x.push_back(*original.shells().front().x);
     u.push_back(shown(original, "u"));
@@ -309,9 +312,9 @@ TEST(MotionRefusals, NameWhatTheMotionOverrules) {
   const auto with = [&](const std::function<void(WorldParams&)>& change) {
     WorldParams world = plain;
     change(world);
-    return refusal(world);
+    return refused_pointer(world);
   };
-  EXPECT_EQ(refusal(plain), "none");
+  EXPECT_EQ(refused_pointer(plain), "none");
   EXPECT_EQ(with([](WorldParams& w) { w.shells[0].pins.push_back({.edge = PinEdge::lower_x}); }), "/shells/0/pins");
   EXPECT_EQ(with([](WorldParams& w) { w.shells[0].moves = false; }), "/shells/0/moves");
   EXPECT_EQ(with([](WorldParams& w) { w.shells[0].velocity.x() = 1.0; }), "/shells/0/velocity");

@@ -273,7 +273,8 @@ TEST_F(MotionFile, SurvivesDamage) {
     std::string bytes = whole;
     bytes[hash_index(11, n) % bytes.size()] ^= static_cast<char>(1 + hash_index(12, n) % 255);
     spit(folder_ / "motion.h5", bytes);
-    if (problem().empty()) EXPECT_EQ(read_motion(folder_ / "motion.h5", "").x, right.x) << n;
+    if (!problem().empty()) continue;
+    EXPECT_EQ(read_motion(folder_ / "motion.h5", "").x, right.x) << n;
   }
 }
 
