@@ -77,12 +77,34 @@ Vec3 chart_displacement(const MotionParams& p, const Chart& chart, const Vec2& m
   }
 }
 
+/// Refuses a track of another number of vertices, of other triangles or of another rest shape.
+void require_same_sheet(const MotionTrack& track, const solid::ShellMesh& mesh, const std::string& pointer) {
+  for (const std::vector<Vec3>& x : track.x)
+    require(x.size() == mesh.vertex_count(), pointer,
+            "is of a sheet with " + std::to_string(x.size()) + " vertices (this one has " +
+                std::to_string(mesh.vertex_count()) + ") take the mesh that was recorded");
+  require(track.triangles.empty() || track.triangles == mesh.triangles, pointer,
+          "is of a sheet with other triangles (the vertices would be joined otherwise) take the mesh that was "
+          "recorded");
+  // Another compiler may round the placement of the mesh otherwise, by far less than this; a shape that differs by
+  // less has the same strains to 1e-7 and better.
+  Eigen::AlignedBox3d box;
+  for (const Vec3& r : mesh.rest) box.extend(r);
+  const double rounding = 1e-9 * (box.diagonal().norm() + box.center().norm());
+  for (std::size_t i = 0; i < track.rest.size(); ++i)
+    require((track.rest[i] - mesh.rest[i]).norm() <= rounding, pointer,
+            "is of a sheet of another rest shape (vertex " + std::to_string(i) + " is " +
+                std::to_string((track.rest[i] - mesh.rest[i]).norm()) + " m away) take the mesh that was recorded");
+}
+
 std::vector<Vec3> replayed(const MotionTrack& track, double t) {
   const auto after = std::upper_bound(track.time.begin(), track.time.end(), t) - track.time.begin();
   if (after == 0) return track.x.front();
   if (after == static_cast<std::ptrdiff_t>(track.time.size())) return track.x.back();
   const std::vector<Vec3>&a = track.x[after - 1], &b = track.x[after];
   const double share = (t - track.time[after - 1]) / (track.time[after] - track.time[after - 1]);
+  // At a recorded time the places are those of the record, to the sign of zeros.
+  if (share <= 0.0) return a;
   std::vector<Vec3> x(a.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = (1.0 - share) * a[i] + share * b[i];
   return x;
@@ -91,9 +113,11 @@ std::vector<Vec3> replayed(const MotionTrack& track, double t) {
 }  // namespace
 
 void describe(ParameterVisitor& v, MotionParams& p) {
-  v.choice({"kind", "", any_value(),
-            "none: the shell solver moves the sheet; else it is moved as told, and weighs on nothing"},
-           p.kind, kMotionKinds);
+  v.choice(
+      {"kind", "", any_value(),
+       "none: the shell solver moves the sheet; else it is moved as told, nothing can push it, and its rest shape "
+       "stays where it burns"},
+      p.kind, kMotionKinds);
   v.number({"amplitude", "m (stretch: 1)", between(-1e3, 1e3),
             "a: height of dent, wave and crumple, pull of star, strain of stretch"},
            p.amplitude);
@@ -103,7 +127,9 @@ void describe(ParameterVisitor& v, MotionParams& p) {
   v.number({"ramp", "s", between(0, 1e6), "time over which the amplitude grows from 0; 0: it is there at once"},
            p.ramp);
   v.integer({"seed", "", between(0, 2147483647), "of crumple"}, p.seed);
-  v.text({"file", "", any_value(), "recorded: motion file (HDF5) beside the scene"}, p.file);
+  v.text({"file", "", any_value(),
+          "recorded: motion file beside the scene, as /output/motion writes; HDF5 with /time (F), /x (F x V x 3)"},
+         p.file);
 }
 
 void require_motion_fits(const MotionParams& p, const solid::ShellMesh& mesh, const std::string& pointer) {
@@ -115,10 +141,7 @@ void require_motion_fits(const MotionParams& p, const solid::ShellMesh& mesh, co
   }
   require(p.track != nullptr && !p.track->time.empty(), pointer + "/file",
           "missing (kind is \"recorded\"); name a motion file beside the scene");
-  for (const std::vector<Vec3>& x : p.track->x)
-    require(x.size() == mesh.vertex_count(), pointer + "/file",
-            "is of a sheet with " + std::to_string(x.size()) + " vertices (this one has " +
-                std::to_string(mesh.vertex_count()) + ")");
+  require_same_sheet(*p.track, mesh, pointer + "/file");
 }
 
 std::vector<Vec3> motion_at(const MotionParams& p, const solid::ShellMesh& mesh, double t) {

@@ -165,9 +165,27 @@ void start_solvers(Sheet& sheet, const WorldParams& world) {
   sheet.diffusion = std::make_unique<diffusion::DiffusionSolver>(*world.diffusion);
 }
 
+/// Where the motion begins, with the velocity of its first step: the gas sees it before the sheet moves.
+void start_motion(Sheet& sheet, double dt) {
+  sheet.state.x = motion_at(sheet.params.motion, sheet.original, 0.0);
+  const std::vector<Vec3> next = motion_at(sheet.params.motion, sheet.original, dt);
+  for (std::size_t i = 0; i < next.size(); ++i) sheet.state.v[i] = (next[i] - sheet.state.x[i]) / dt;
+}
+
+/// Refuses what only a computed sheet can have: the motion would silently overrule it.
+void require_nothing_else_moves(const ShellSection& p, const std::string& pointer) {
+  if (p.motion.kind == MotionKind::none) return;
+  const std::string why = " (the sheet is moved by motion alone) remove one of the two";
+  require(p.pins.empty(), pointer + "/pins", "pins hold nothing" + why);
+  require(p.moves, pointer + "/moves", "false holds the sheet" + why);
+  require(p.velocity.isZero(), pointer + "/velocity", "a velocity at the start has no effect" + why);
+  require(p.mesh.wrinkle == 0.0, pointer + "/mesh/wrinkle", "wrinkles at the start have no effect" + why);
+}
+
 }  // namespace
 
 Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world) {
+  require_nothing_else_moves(params, pointer);
   Sheet sheet;
   sheet.name = params.name;
   sheet.pointer = pointer;
@@ -188,7 +206,7 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
   if (!sheet.free()) sheet.state.v.assign(sheet.mesh.vertex_count(), Vec3::Zero());
   require_motion_fits(params.motion, sheet.mesh, pointer + "/motion");
   add_wrinkles(sheet);
-  if (sheet.driven()) sheet.state.x = motion_at(params.motion, sheet.original, 0.0);
+  if (sheet.driven()) start_motion(sheet, world.coupling.max_step);
   for (std::size_t n = 0; n < params.pins.size(); ++n)
     sheet.pins.push_back(build_pin(sheet, params.pins[n], pointer + "/pins/" + std::to_string(n)));
 
@@ -221,6 +239,11 @@ solid::Pins pins_at(const Sheet& sheet, double t) {
 
 void refresh_inputs(Sheet& sheet, const WorldParams& world) {
   if (!world.burning) return;
+  if (!sheet.free()) {
+    for (std::size_t i = 0; i < sheet.inputs.mass.size(); ++i)
+      sheet.inputs.mass[i] = sheet.areal_mass * sheet.mesh.vertex_area[i] * sheet.burning.fraction_left[i];
+    return;
+  }
   reshape(sheet.inputs, sheet.base, sheet.mesh, sheet.burning, *world.burning, sheet.areal_mass);
 }
 

@@ -66,7 +66,8 @@ void rebuild_topology(Sheet& sheet, const WorldParams& world);
 /// Where the pins hold their vertices at time t; pins that have let go hold none.
 solid::Pins pins_at(const Sheet& sheet, double t);
 
-/// Masses, rest lengths, stiffness and curl as burning has left them.
+/// Masses, rest lengths, stiffness and curl as burning has left them; masses alone where no shell solver moves the
+/// sheet: a shape that is given has the strain of its virgin rest shape.
 void refresh_inputs(Sheet& sheet, const WorldParams& world);
 
 /// Puts a driven sheet where its motion is at time t, dt after the last one.

@@ -77,6 +77,14 @@ void check_world(const WorldParams& p) {
           "must exceed the ambient temperature by at least 1 K (theta is measured between the two)");
   require(!p.shells.empty() || p.smoke, "/shells",
           "missing, and no smoke either (the scene has nothing to simulate)");
+  const auto computed = [](const ShellSection& s) { return s.moves && s.motion.kind == MotionKind::none; };
+  const auto driven = [](const ShellSection& s) { return s.motion.kind != MotionKind::none; };
+  if (std::any_of(p.shells.begin(), p.shells.end(), driven) &&
+      std::none_of(p.shells.begin(), p.shells.end(), computed)) {
+    require(!p.wind, "/wind", "blows on no sheet (each is held, or moved by its motion) remove it");
+    require(p.obstacles.empty() || p.smoke, "/obstacles",
+            "meet nothing (each sheet is held, or moved by its motion, and there is no gas) remove them");
+  }
   std::set<std::string> names;
   for (std::size_t n = 0; n < p.heat_sources.size(); ++n)
     require(p.heat_sources[n].kind == SourceKind::ball ||
@@ -104,22 +112,27 @@ void check_world(const WorldParams& p) {
           "/smoke/sides", "a periodic side needs a periodic opposite side");
 }
 
+double estimated_vertices(const ShellSection& shell, const WorldParams& p) {
+  const MeshParams& mesh = shell.mesh;
+  if (mesh.kind == MeshKind::icosphere) return 10.0 * std::pow(4.0, mesh.subdivisions) + 2.0;
+  if (mesh.kind != MeshKind::file) return double(mesh.vertices[0]) * mesh.vertices[1];
+  // A vertex with its triangles takes 38 bytes of a binary PLY, more as text.
+  constexpr double kFileBytesPerVertex = 38.0;
+  std::error_code error;  // a file that is not there is refused when it is read
+  const auto size = std::filesystem::file_size(std::filesystem::path(p.directory) / mesh.file, error);
+  return error ? 0.0 : static_cast<double>(size) / kFileBytesPerVertex * std::pow(4.0, mesh.subdivisions);
+}
+
 std::uint64_t estimate_world_bytes(const WorldParams& p) {
   // Bytes a cell: state 36, walls 28, advection and solver work arrays about 160 (measured on the bundled scenes,
-  // the densest of them a sheet in 128^3). A vertex with its triangles takes 38 bytes of a binary PLY, more as
-  // text.
-  constexpr double kPerCell = 228.0, kPerVertex = 2500.0, kProgram = 90e6, kFileBytesPerVertex = 38.0;
+  // the densest of them a sheet in 128^3).
+  constexpr double kPerCell = 228.0, kPerVertex = 2500.0, kProgram = 90e6;
   double bytes = kProgram;
   if (p.smoke) bytes += kPerCell * p.smoke->resolution[0] * p.smoke->resolution[1] * p.smoke->resolution[2];
   for (const ShellSection& shell : p.shells) {
-    double vertices = double(shell.mesh.vertices[0]) * shell.mesh.vertices[1];
-    if (shell.mesh.kind == MeshKind::icosphere) vertices = 10.0 * std::pow(4.0, shell.mesh.subdivisions) + 2.0;
-    if (shell.mesh.kind == MeshKind::file) {
-      std::error_code error;  // a file that is not there is refused when it is read
-      const auto size = std::filesystem::file_size(std::filesystem::path(p.directory) / shell.mesh.file, error);
-      vertices = error ? 0.0 : static_cast<double>(size) / kFileBytesPerVertex;
-    }
-    bytes += kPerVertex * vertices;
+    bytes += kPerVertex * estimated_vertices(shell, p);
+    if (const MotionTrack* track = shell.motion.track.get())
+      for (const std::vector<Vec3>& x : track->x) bytes += double(x.size() * sizeof(Vec3));
   }
   return static_cast<std::uint64_t>(std::min(bytes, 1e18));
 }

@@ -13,6 +13,9 @@ namespace wick::coupling {
 /// Rules that join sections; throws Refusal with the pointer at fault.
 void check_world(const WorldParams& params);
 
+/// Vertices that a sheet will have, before it is built: those of a file from its size.
+double estimated_vertices(const ShellSection& shell, const WorldParams& params);
+
 std::uint64_t estimate_world_bytes(const WorldParams& params);
 
 /// Smoke and heat that the heat sources give to the gas during [time, time + dt], spread evenly over the cells

@@ -285,8 +285,8 @@ void World::Impl::move_sheets(double dt) {
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     Sheet& sheet = sheets[s];
     if (sheet.driven()) follow_motion(sheet, time + dt, dt);
-    if (!sheet.shell) continue;
     refresh_inputs(sheet, params);
+    if (!sheet.shell) continue;
     const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);
     sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh, sheet.inputs, pins_at(sheet, time + dt),
                                            obstacles, push[s], air, params.gravity, dt);

@@ -40,7 +40,7 @@ std::vector<std::string> World::models() const {
 std::vector<ShellView> World::shells() const {
   std::vector<ShellView> views;
   for (const Sheet& sheet : impl_->sheets) {
-    ShellView view{sheet.name, &sheet.mesh, &sheet.state.x, &sheet.state.v, {}};
+    ShellView view{sheet.name, &sheet.mesh, &sheet.state.x, &sheet.state.v, {}, &sheet.original};
     add_shown_values(view, sheet, impl_->ambient, impl_->kelvin);
     views.push_back(std::move(view));
   }

@@ -54,7 +54,7 @@ void describe(ParameterVisitor& v, ShellSection& p) {
   v.list("pins", "vertices that do not move freely", p.pins);
   v.vector({"velocity", "m/s", between(-kFast, kFast), "at the start"}, p.velocity);
   v.flag({"moves", "", any_value(), "false: held in place, and no shell solver is built"}, p.moves);
-  v.nested("motion", "movement that is given instead of computed", p.motion);
+  v.nested("motion", "movement that is given instead of computed; not with pins, velocity or wrinkles", p.motion);
 }
 
 void describe(ParameterVisitor& v, ObstacleParams& p) {

@@ -55,7 +55,8 @@ struct ShellSection {
   std::vector<PinParams> pins = {};
   Vec3 velocity = Vec3::Zero();  ///< at the start [m/s]
   bool moves = true;             ///< false: held in place, the shell solver is not built
-  MotionParams motion;           ///< given movement: the shell solver is not built either
+  MotionParams motion;  ///< given movement: the shell solver is not built either; pins, velocity, moves and
+                        ///< wrinkles are refused beside it
 };
 void describe(ParameterVisitor& visitor, ShellSection& params);
 

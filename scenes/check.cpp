@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "coupling/sources.h"
 #include "coupling/world.h"
 #include "fluid/smoke.h"
 #include "scenes/disk_estimate.h"
@@ -15,8 +18,17 @@ namespace {
 /// bytes of one file, and one checkpoint in the making (image and copy), in bytes a cell of gas.
 constexpr std::uint64_t output_bytes_per_cell = 2 * 24 + 2 * 24 + 2 * 28;
 
+/// Joining recorded motion holds the largest sheet's file twice, as the HDF5 library's image and as a copy of it.
+std::uint64_t motion_memory(const Scene& scene) {
+  double vertices = 0.0;
+  if (scene.output.motion.write)
+    for (const coupling::ShellSection& shell : scene.world.shells)
+      vertices = std::max(vertices, coupling::estimated_vertices(shell, scene.world));
+  return static_cast<std::uint64_t>(std::min(2.0 * 24.0 * vertices * scene.frames, 1e18));
+}
+
 std::uint64_t needed_memory(const Scene& scene) {
-  std::uint64_t bytes = coupling::World::estimate_bytes(scene.world);
+  std::uint64_t bytes = coupling::World::estimate_bytes(scene.world) + motion_memory(scene);
   if (scene.world.smoke) {
     const Int3& n = scene.world.smoke->resolution;
     bytes += output_bytes_per_cell * static_cast<std::uint64_t>(n[0]) * n[1] * n[2];
@@ -34,10 +46,14 @@ void print_smoke(const fluid::SmokeParams& smoke) {
 
 void require_memory(const Scene& scene) {
   const std::uint64_t needed = needed_memory(scene), available = available_memory();
-  require(needed <= available, scene.world.smoke ? "/smoke/resolution" : "/shells",
-          fmt::format("needs about {} of memory (this machine has {} free) lower the resolution",
-                      bytes_text(needed), bytes_text(available)),
-          ExitCode::refused);
+  const auto have = [&](const char* pointer, const char* advice) {
+    require(needed <= available, pointer,
+            fmt::format("needs about {} of memory (this machine has {} free) {}", bytes_text(needed),
+                        bytes_text(available), advice),
+            ExitCode::refused);
+  };
+  if (2 * motion_memory(scene) > needed) have("/output/motion/write", "record fewer frames, or a coarser sheet");
+  have(scene.world.smoke ? "/smoke/resolution" : "/shells", "lower the resolution");
 }
 
 void check_scene(const RunOptions& options) {

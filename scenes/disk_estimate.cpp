@@ -48,6 +48,25 @@ std::uint64_t mesh_bytes(const coupling::World& world, const Scene& scene) {
   return bytes;
 }
 
+/// Of one frame of the motion of all sheets: positions in double precision.
+std::uint64_t motion_bytes(const coupling::World& world, const Scene& scene) {
+  if (!scene.output.motion.write) return 0;
+  std::uint64_t bytes = 0;
+  for (const coupling::ShellView& view : world.shells()) bytes += 24 * view.x->size();
+  return bytes;
+}
+
+/// Of the files around it: header and table of an HDF5 file of three datasets, rest shape and triangles of the
+/// last.
+constexpr std::uint64_t motion_frame_header = 4096;
+std::uint64_t motion_header_bytes(const coupling::World& world, const Scene& scene) {
+  if (!scene.output.motion.write) return 0;
+  std::uint64_t bytes = 0;
+  for (const coupling::ShellView& view : world.shells())
+    bytes += 3 * motion_frame_header + 24 * view.x->size() + 12 * view.original->triangle_count();
+  return bytes;
+}
+
 std::uint64_t preview_bytes(const Scene& scene) {
   const Int2& size = scene.output.preview.size;
   return scene.output.preview.write ? 4ULL * size[0] * size[1] : 0;
@@ -60,10 +79,14 @@ DiskEstimate estimate_disk(coupling::World& world, const Scene& scene) {
   world.visit(state);
   DiskEstimate estimate;
   estimate.checkpoint = state.bytes();
-  estimate.frame = volume_bytes(scene) + mesh_bytes(world, scene) + preview_bytes(scene);
+  const std::uint64_t motion = motion_bytes(world, scene);
+  const std::uint64_t motion_files = motion > 0 ? world.shells().size() * motion_frame_header : 0;
+  estimate.frame = volume_bytes(scene) + mesh_bytes(world, scene) + preview_bytes(scene) + motion + motion_files;
   const auto frames = static_cast<std::uint64_t>(scene.frames);
   const auto kept = static_cast<std::uint64_t>(scene.output.checkpoint.keep) + 1;
-  estimate.all = frames * estimate.frame + kept * estimate.checkpoint;
+  // Motion is on the disk twice: frame by frame, and joined at the end.
+  estimate.all =
+      frames * (estimate.frame + motion) + kept * estimate.checkpoint + motion_header_bytes(world, scene);
   return estimate;
 }
 

@@ -76,7 +76,7 @@ Json json_of(const Scene& scene, Selection selection) {
   return writer.take();
 }
 
-/// Calls `visit` with each non-empty text whose key is `file`: the mesh files of the scene.
+/// Calls `visit` with each non-empty text whose key is `file`: the mesh and motion files of the scene.
 void for_each_file(Json& node, FunctionRef<void(Json& file)> visit) {
   if (!node.is_structured()) return;
   for (auto& [key, value] : node.items()) {
@@ -112,11 +112,11 @@ std::string effective_file(const Scene& scene, const fs::path& folder) {
 }
 
 std::string scene_identity(const Scene& scene) {
-  // Larger than any mesh that a sheet can be made of in memory.
-  constexpr std::uint64_t largest_mesh = 4ULL << 30;
+  // Meshes and motions have been bounded by the memory when the scene was read.
+  constexpr std::uint64_t largest_file = 1ULL << 40;
   Json json = json_of(scene, Selection::fixed_on_resume);
   for_each_file(json, [&](Json& file) {
-    const Bytes bytes = read_file(fs::path(scene.world.directory) / file.get<std::string>(), largest_mesh);
+    const Bytes bytes = read_file(fs::path(scene.world.directory) / file.get<std::string>(), largest_file);
     file = fmt::format("content {:016x}", hash_bytes(bytes.data(), bytes.size()));
   });
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -20,7 +20,7 @@ nlohmann::ordered_json parameters_json(FunctionRef<void(ParameterVisitor&)> desc
 std::string effective_file(const Scene& scene, const std::filesystem::path& folder);
 
 /// What makes two runs the same run: all parameters that may not change on resume, and the content of the
-/// mesh files, as JSON text.
+/// mesh and motion files, as JSON text.
 std::string scene_identity(const Scene& scene);
 
 /// Names the first difference between two identities, for a message; empty where there is none.

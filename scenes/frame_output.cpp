@@ -4,6 +4,7 @@
 
 #include "scenes/checkpoint.h"
 #include "scenes/mesh_output.h"
+#include "scenes/motion_output.h"
 #include "scenes/preview.h"
 
 namespace wick::scenes {
@@ -33,6 +34,10 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
     for (const coupling::ShellView& view : world.shells())
       output.files.emplace_back(folder.mesh(scene.output, view.name, world.frame()),
                                 shell_ply(view, scene.output.up_axis));
+  if (scene.output.motion.write)
+    for (const coupling::ShellView& view : world.shells())
+      output.files.emplace_back(folder.motion_frame(scene.output, view.name, world.frame()),
+                                motion_frame(view, world.frame(), world.time()));
   if (scene.output.preview.write) {
     const Picture picture = draw_preview(scene.output.preview, world.shells(), smoke,
                                          scene.world.smoke ? &*scene.world.smoke : nullptr);

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <stdexcept>
@@ -116,6 +117,21 @@ void Hdf5Writer::dataset(const std::string& path, ScalarType type, std::size_t r
   impl_->write(path, native_type(type), shape(rows, columns), rows * columns == 0, data);
 }
 
+void Hdf5Writer::blocks(const std::string& path, std::size_t count, std::size_t rows, std::size_t columns,
+                        FunctionRef<const double*(std::size_t)> block) {
+  const hsize_t dims[] = {count, rows, columns}, one[] = {1, rows, columns};
+  const Handle space(H5Screate_simple(3, dims, nullptr), H5Sclose, path);
+  const Handle part(H5Screate_simple(3, one, nullptr), H5Sclose, path);
+  const Handle set(
+      H5Dcreate2(impl_->file, path.c_str(), H5T_NATIVE_DOUBLE, space, impl_->links, impl_->creation, H5P_DEFAULT),
+      H5Dclose, "cannot make " + path);
+  for (std::size_t n = 0; n < count && rows * columns > 0; ++n) {
+    const hsize_t first[] = {n, 0, 0};
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first, nullptr, one, nullptr), "cannot select in " + path);
+    check(H5Dwrite(set, H5T_NATIVE_DOUBLE, part, space, H5P_DEFAULT, block(n)), "cannot write " + path);
+  }
+}
+
 void Hdf5Writer::strings(const std::string& path, const std::vector<std::string>& values) {
   std::size_t size = 1;
   for (const std::string& value : values) size = std::max(size, value.size());
@@ -164,17 +180,36 @@ bool Hdf5Reader::has(const std::string& path) const {
   }
 }
 
-std::size_t Hdf5Reader::rows(const std::string& path, ScalarType type, std::size_t columns) const {
+std::vector<std::size_t> Hdf5Reader::extents(const std::string& path, ScalarType type) const {
   const Handle set = impl_->open(path);
   const Handle space(H5Dget_space(set), H5Sclose, path);
   const Handle stored(H5Dget_type(set), H5Tclose, path);
   if (H5Tequal(stored, native_type(type)) <= 0) throw std::runtime_error("HDF5: another type in " + path);
-  hsize_t dims[2] = {0, 1};
+  std::array<hsize_t, H5S_MAX_RANK> dims{};
   const int rank = H5Sget_simple_extent_ndims(space);
-  if (rank < 1 || rank > 2) throw std::runtime_error("HDF5: another shape in " + path);
-  H5Sget_simple_extent_dims(space, dims, nullptr);
-  if (dims[1] != columns) throw std::runtime_error("HDF5: another shape in " + path);
+  if (rank < 1) throw std::runtime_error("HDF5: another shape in " + path);
+  H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+  return {dims.begin(), dims.begin() + rank};
+}
+
+std::size_t Hdf5Reader::rows(const std::string& path, ScalarType type, std::size_t columns) const {
+  const std::vector<std::size_t> dims = extents(path, type);
+  if (dims.size() > 2 || (dims.size() == 2 ? dims[1] : 1) != columns)
+    throw std::runtime_error("HDF5: another shape in " + path);
   return dims[0];
+}
+
+void Hdf5Reader::read_block(const std::string& path, std::size_t block, double* data) const {
+  const Handle set = impl_->open(path);
+  const Handle space(H5Dget_space(set), H5Sclose, path);
+  hsize_t one[3] = {};
+  if (H5Sget_simple_extent_ndims(space) != 3) throw std::runtime_error("HDF5: another shape in " + path);
+  H5Sget_simple_extent_dims(space, one, nullptr);
+  one[0] = 1;
+  const hsize_t first[] = {block, 0, 0};
+  const Handle part(H5Screate_simple(3, one, nullptr), H5Sclose, path);
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first, nullptr, one, nullptr), "cannot select in " + path);
+  check(H5Dread(set, H5T_NATIVE_DOUBLE, part, space, H5P_DEFAULT, data), "cannot read " + path);
 }
 
 void Hdf5Reader::read(const std::string& path, ScalarType type, void* data) const {

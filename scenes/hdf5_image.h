@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/function_ref.h"
 #include "core/state.h"
 #include "scenes/atomic_file.h"
 
@@ -21,6 +22,9 @@ class Hdf5Writer {
 
   /// Writes rows x columns scalars (a plain list when there is one column); groups in `path` are made.
   void dataset(const std::string& path, ScalarType type, std::size_t rows, std::size_t columns, const void* data);
+  /// Writes blocks x rows x columns doubles, asking `block` for the rows x columns of one block at a time.
+  void blocks(const std::string& path, std::size_t count, std::size_t rows, std::size_t columns,
+              FunctionRef<const double*(std::size_t)> block);
   void strings(const std::string& path, const std::vector<std::string>& values);
   /// The bytes of the file; nothing can be added afterwards.
   Bytes finish();
@@ -30,7 +34,8 @@ class Hdf5Writer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads what Hdf5Writer made. Throws std::runtime_error for anything that is not there as expected.
+/// Reads what Hdf5Writer made, or what others made of the same types. Throws std::runtime_error for anything that
+/// is not there as expected.
 class Hdf5Reader {
  public:
   /// `bytes` must outlive the reader.
@@ -42,6 +47,10 @@ class Hdf5Reader {
   [[nodiscard]] bool has(const std::string& path) const;
   [[nodiscard]] std::size_t rows(const std::string& path, ScalarType type, std::size_t columns) const;
   void read(const std::string& path, ScalarType type, void* data) const;
+  /// Extents of a dataset of `type`, whatever its rank.
+  [[nodiscard]] std::vector<std::size_t> extents(const std::string& path, ScalarType type) const;
+  /// Reads one block of count x rows x columns doubles.
+  void read_block(const std::string& path, std::size_t block, double* data) const;
   [[nodiscard]] std::vector<std::string> strings(const std::string& path) const;
 
  private:

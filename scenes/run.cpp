@@ -18,6 +18,7 @@
 #include "scenes/machine.h"
 #include "scenes/manifest.h"
 #include "scenes/metrics.h"
+#include "scenes/motion_output.h"
 #include "scenes/progress.h"
 #include "scenes/run_folder.h"
 #include "scenes/run_record.h"
@@ -202,6 +203,7 @@ class Run {
     // A run killed between its last checkpoint and its record left the record behind; metrics may have been lost
     // since.
     write_file(folder_.metrics(), metrics_.file());
+    write_motion();
     if (!said_done() || !record_.damaged_outputs.empty()) write_record("done");
     return ExitCode::done;
   }
@@ -239,6 +241,7 @@ class Run {
     }
     const bool done = world_->frame() >= scene_.frames;
     finish_writing();
+    if (done) write_motion();
     if (record_.unconverged_solves > 0)
       warn(fmt::format(
           "{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)",
@@ -310,6 +313,12 @@ class Run {
   void finish_writing() {
     if (last_checkpoint_ != world_->time()) write_checkpoint();
     writer_.finish();
+  }
+
+  /// Joins what the frames recorded of the movement, once the writer's thread is done.
+  void write_motion() {
+    const std::vector<DamagedOutput> missing = join_motion(*world_, scene_, folder_, manifest_);
+    if (!missing.empty()) warn(fmt::format("recorded motion has gaps: {}", summary_of(missing)));
   }
 
   void require_finite() {

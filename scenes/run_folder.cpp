@@ -64,6 +64,13 @@ void remove_frames(const fs::path& folder, const std::string& extension) {
     if (is_frame_file(it->path(), extension)) remove_file(it->path());
 }
 
+/// Motion files carry no frame number, and the names of an earlier run's shells are not known.
+void remove_all_of(const fs::path& folder, const std::string& extension) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == extension && it->is_regular_file(error)) remove_file(it->path());
+}
+
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder) : path_(folder / "run.lock") {
@@ -109,6 +116,10 @@ fs::path RunFolder::preview(const OutputParams& output, int frame) const {
   return previews() / fmt::format("{:0{}d}.png", file_number(output, frame), output.frame_padding);
 }
 
+fs::path RunFolder::motion_frame(const OutputParams& output, const std::string& shell, int frame) const {
+  return motion_frames() / numbered(shell, output, frame, "h5");
+}
+
 void RunFolder::require_free_names() const {
   std::error_code error;
   for (const fs::path& file : {record(), metrics(), scene(), manifest()})
@@ -118,7 +129,8 @@ void RunFolder::require_free_names() const {
 }
 
 void RunFolder::tidy() const {
-  for (const fs::path& folder : {root, volumes(), meshes(), previews(), checkpoints()}) remove_temporaries(folder);
+  for (const fs::path& folder : {root, volumes(), meshes(), previews(), motions(), motion_frames(), checkpoints()})
+    remove_temporaries(folder);
 }
 
 void RunFolder::clear() const {
@@ -128,6 +140,8 @@ void RunFolder::clear() const {
   remove_frames(volumes(), ".vdb");
   remove_frames(meshes(), ".ply");
   remove_frames(previews(), ".png");
+  remove_frames(motion_frames(), ".h5");
+  remove_all_of(motions(), ".h5");
 }
 
 void RunFolder::make(const Scene& scene) const {
@@ -135,6 +149,7 @@ void RunFolder::make(const Scene& scene) const {
   if (scene.world.smoke && scene.output.volume.write) make_folder(volumes());
   if (!scene.world.shells.empty() && scene.output.mesh.write) make_folder(meshes());
   if (scene.output.preview.write) make_folder(previews());
+  if (!scene.world.shells.empty() && scene.output.motion.write) make_folder(motion_frames());
 }
 
 }  // namespace wick::scenes

@@ -32,10 +32,15 @@ struct RunFolder {
   [[nodiscard]] std::filesystem::path volumes() const { return root / "volumes"; }
   [[nodiscard]] std::filesystem::path meshes() const { return root / "meshes"; }
   [[nodiscard]] std::filesystem::path previews() const { return root / "previews"; }
+  [[nodiscard]] std::filesystem::path motions() const { return root / "motion"; }
+  [[nodiscard]] std::filesystem::path motion_frames() const { return motions() / "frames"; }
   [[nodiscard]] std::filesystem::path checkpoints() const { return root / "checkpoints"; }
   [[nodiscard]] std::filesystem::path volume(const OutputParams& output, int frame) const;
   [[nodiscard]] std::filesystem::path mesh(const OutputParams& output, const std::string& shell, int frame) const;
   [[nodiscard]] std::filesystem::path preview(const OutputParams& output, int frame) const;
+  [[nodiscard]] std::filesystem::path motion(const std::string& shell) const { return motions() / (shell + ".h5"); }
+  [[nodiscard]] std::filesystem::path motion_frame(const OutputParams& output, const std::string& shell,
+                                                   int frame) const;
 
   /// Throws Refusal (output_cannot_be_made) where a folder has the name of a file that every run writes.
   void require_free_names() const;

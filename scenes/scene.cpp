@@ -57,6 +57,11 @@ void describe(ParameterVisitor& v, MeshOutputParams& p) {
   v.flag({"write", "", {}, "write meshes/<shell>.####.ply", may_change}, p.write);
 }
 
+void describe(ParameterVisitor& v, MotionOutputParams& p) {
+  v.flag({"write", "", {}, "write motion/<shell>.h5 at the end, from a file a frame; may not change on the way"},
+         p.write);
+}
+
 void describe(ParameterVisitor& v, CheckpointParams& p) {
   v.integer({"every", "frames", between(0, 1000000),
              "frames from one checkpoint to the next; 0: only on a signal and at the end", may_change},
@@ -73,6 +78,7 @@ void describe(ParameterVisitor& v, OutputParams& p) {
   v.integer({"frame_padding", "1", between(1, 9), "digits of the frame number in file names"}, p.frame_padding);
   v.nested("volume", "OpenVDB files of the smoke", p.volume);
   v.nested("mesh", "PLY files of the sheets", p.mesh);
+  v.nested("motion", "recorded movement of the sheets, for shells/*/motion of another run", p.motion);
   v.nested("preview", "pictures of the frames", p.preview);
   v.nested("checkpoint", "files from which an interrupted run goes on", p.checkpoint);
 }

@@ -43,6 +43,12 @@ struct MeshOutputParams {
 };
 void describe(ParameterVisitor& visitor, MeshOutputParams& params);
 
+/// Movement of the sheets, to be given to a later run as shells/*/motion.
+struct MotionOutputParams {
+  bool write = false;
+};
+void describe(ParameterVisitor& visitor, MotionOutputParams& params);
+
 struct CheckpointParams {
   int every = 10;  ///< frames; 0: only on a signal and at the end
   int keep = 3;
@@ -55,6 +61,7 @@ struct OutputParams {
   int frame_padding = 4;
   VolumeParams volume;
   MeshOutputParams mesh;
+  MotionOutputParams motion;
   PreviewParams preview;
   CheckpointParams checkpoint;
 };

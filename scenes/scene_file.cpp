@@ -11,6 +11,7 @@
 #include "core/parameters.h"
 #include "scenes/atomic_file.h"
 #include "scenes/json_text.h"
+#include "scenes/motion_file.h"
 #include "scenes/parameter_text.h"
 
 namespace wick::scenes {
@@ -218,6 +219,7 @@ Scene scene_from_json(const Json& json, const std::string& directory) {
   read_parameters(json, [&](ParameterVisitor& v) { describe(v, scene); });
   scene.world.directory = directory;
   require_valid(scene);
+  read_motions(scene);
   return scene;
 }
 

@@ -15,7 +15,8 @@ namespace wick::scenes {
 /// Throws Refusal with the JSON pointer at fault.
 Scene read_scene(const std::filesystem::path& path, const std::vector<std::string>& assignments = {});
 
-/// The same for JSON that is already in memory; `directory` is where mesh files are looked for.
+/// The same for JSON that is already in memory; `directory` is where mesh and motion files are looked for; recorded
+/// motions are read.
 Scene scene_from_json(const nlohmann::ordered_json& json, const std::string& directory);
 
 /// Fills one parameter struct from a JSON object through its describe(); for tests and tools.
