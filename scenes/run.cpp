@@ -385,8 +385,18 @@ Scene load_scene(const RunOptions& options) {
   return scene;
 }
 
+/// A run writes the effective scene into its folder: that must not be the file that the user wrote.
+void require_scene_stays(const RunOptions& options, const Scene& scene) {
+  const RunFolder folder{options.out.empty() ? fs::path("out") / scene.name : fs::path(options.out)};
+  std::error_code error;
+  if (fs::equivalent(folder.scene(), options.scene, error))
+    throw Refusal(ExitCode::output_cannot_be_made, "",
+                  "--out is the folder of the scene file, which the effective scene would replace; choose another");
+}
+
 ExitCode run_scene(const RunOptions& options) {
   Scene scene = load_scene(options);
+  require_scene_stays(options, scene);
   require_memory(scene);
   watch_signals();
   std::optional<ThreadLimit> limit;
