@@ -57,7 +57,7 @@ struct FactorKey {
 /// agree.
 FactorKey make_key(const SheetMatrix& a) {
   FactorKey key;
-  key.diffusion = a.constant ? a.diffusion : std::exp2(std::round(4.0 * std::log2(a.diffusion)) / 4.0);
+  key.diffusion = std::exp2(std::round(4.0 * std::log2(a.diffusion)) / 4.0);
   key.supply.resize(a.storage.size());
   for (std::size_t i = 0; i < key.supply.size(); ++i)
     key.supply[i] =
@@ -72,9 +72,7 @@ double estimated_iterations(const SheetMatrix& a, double tolerance) {
   if (n == 0) return 0.0;
   const double root =
       sum_of(n, [&](std::size_t i) { return std::sqrt(a.diagonal[i] / a.row_sum[i]); }) / static_cast<double>(n);
-  // Constant matrices are smoothing kernels: their solves start from nothing.
-  const double start = a.constant ? 1.0 : 0.5;
-  return start * std::sqrt(0.5) * root * std::log(2.0 / tolerance);
+  return 0.5 * std::sqrt(0.5) * root * std::log(2.0 / tolerance);
 }
 
 struct LinearSolver::Impl {
