@@ -41,6 +41,7 @@ std::vector<double> tensor_corners(const solid::ShellMesh& mesh, const std::vect
 struct SheetOperator {
   std::vector<double> edge;
   std::vector<double> storage;
+  std::vector<double> scratch;  ///< kept between fillings
 };
 
 /// What an operator is made from besides the graph.

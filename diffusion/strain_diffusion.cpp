@@ -75,7 +75,8 @@ DiffusionReport DiffusionSolver::step(std::vector<double>& u, const DiffusionInp
   const auto start = Clock::now();
   s.book_external(u, input, dt, report);
   const double refused = report.excess;
-  Values u_star = u;
+  Values& u_star = s.spread_u;
+  u_star = u;
   s.spread(u, input, dt, u_star, report);
   if (!moves_along_edges(s.params.model) && s.params.discretisation != Operator::cotan)
     report.drift = amount_of(u_star) - (report.before + report.supplied - refused - report.lost);

@@ -28,11 +28,12 @@ struct DiffusionSolver::Impl {
   std::unique_ptr<Neighbourhood> neighbourhood;  ///< made when a local scope first asks for it
   LinearSolver solver;
   // Scratch of one step.
-  Values corner, extra, edge_factor, rhs, unit_weight;
+  Values spread_u, corner, extra, edge_factor, rhs, unit_weight;
   SheetOperator op;
   SheetMatrix matrix;
   Values loss, supply, amount, given;  ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
   Values c, c_front, strain;
+  std::vector<std::uint8_t> front;
 
   explicit Impl(const DiffusionParams& p) : params(p) {}
 

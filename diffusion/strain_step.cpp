@@ -68,7 +68,7 @@ void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, co
   const Values& mass = *in.mass;
   const std::size_t n = u.size();
   const bool plain = params.total == Total::plain;
-  const std::vector<std::uint8_t> front = front_band(params, u_star, in.fraction_left);
+  front = front_band(params, u_star, in.fraction_left);
   parallel_for(n, chunk, [&](std::size_t i) {
     if (front[i] == 0) c_front[i] = 0.0;
     u[i] = u_star[i] + c_front[i];

@@ -271,7 +271,7 @@ TEST(Presets, ChoosingOneResetsTheRestBeforeItIsRead) {
   EXPECT_EQ(p.alpha, make_preset(Preset::wetting).alpha);
   EXPECT_EQ(p.scope, Scope::local_front);
   EXPECT_EQ(p.u_max, 0.7);
-  EXPECT_EQ(reader.listed, 28);
+  EXPECT_EQ(reader.listed, 29);
 }
 
 }  // namespace
