@@ -23,19 +23,22 @@ void DiffusionSolver::Impl::add_strain(const DiffusionInput& in, double dt, cons
   triangle_strain(params, *in.mesh, *in.x, in.rest_scale, strain);
   vertex_strain(params, *in.mesh, strain, dt, c);
   apply_noise(params, *in.mesh, dt, c);
-  const bool any = adds_strain(params.model) && std::any_of(c.begin(), c.end(), [](double v) { return v > 0.0; });
-  if (!any) {
-    c_front.assign(c.size(), 0.0);
-    return;
-  }
-  c_front = c;
+  c_front.assign(c.size(), 0.0);
+  const auto largest = [&](std::size_t begin, std::size_t end) {
+    return *std::max_element(c.begin() + static_cast<std::ptrdiff_t>(begin),
+                             c.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  if (!adds_strain(params.model) || parallel_max(c.size(), chunk, 0.0, largest) <= 0.0) return;
   if (params.order == Order::inside) {
-    parallel_for(c.size(), chunk, [&](std::size_t i) { rhs[i] = matrix.storage[i] * c[i]; });
+    parallel_for(c.size(), chunk, [&](std::size_t i) {
+      rhs[i] = matrix.storage[i] * c[i];
+      c_front[i] = c[i];
+    });
     note(report, solver.solve(matrix, rhs, increment_tolerance(), c_front), true);
-    parallel_for(c.size(), chunk, [&](std::size_t i) { c_front[i] = std::max(c_front[i], 0.0); });
   }
+  const Values& added = params.order == Order::inside ? c_front : c;
   parallel_for(c.size(), chunk, [&](std::size_t i) {
-    if ((*in.mass)[i] <= 0.0 || u_star[i] < 0.0) c_front[i] = 0.0;
+    c_front[i] = (*in.mass)[i] <= 0.0 || u_star[i] < 0.0 ? 0.0 : std::max(added[i], 0.0);
   });
 }
 
@@ -73,7 +76,11 @@ void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, co
     if (front[i] == 0) c_front[i] = 0.0;
     u[i] = u_star[i] + c_front[i];
   });
-  for (std::size_t i = 0; i < n; ++i) report.front_vertices += front[i] != 0 && mass[i] > 0.0 ? 1 : 0;
+  report.front_vertices = static_cast<std::size_t>(parallel_sum(n, chunk, [&](std::size_t begin, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += front[i] != 0 && mass[i] > 0.0 ? 1 : 0;
+    return static_cast<double>(count);
+  }));
   report.strain_added = sum_of(n, [&](std::size_t i) { return mass[i] * c_front[i]; });
   Values supplied;
   if (plain) {

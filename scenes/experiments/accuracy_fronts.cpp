@@ -118,8 +118,9 @@ void measure_half_line(const Surroundings& s, ExperimentReport& report, Table& t
   tabulate(table, "half line: uptake", "dt [s]", by_step[1]);
   report.checks.push_back(at_least("half line: order in h, cotan, staggered", {by_mesh[0].order()}, 1.8));
   report.checks.push_back(at_least("half line: order in dt of the uptake", {by_step[1].order()}, 0.9));
-  report.pictures.push_back({"half-line", "a strip held wet at one end: error of u, dt ~ h²",
-                             chart("half line, mesh", "h [m]", by_mesh)});
+  const std::vector<WorkPrecision> shown = {by_mesh[0], by_mesh[2], by_mesh[3], by_mesh[5], by_mesh[6], by_mesh[8]};
+  report.pictures.push_back(
+      {"half-line", "a strip held wet at one end: error of u, dt ~ h²", chart("half line, mesh", "h [m]", shown)});
   report.pictures.push_back({"half-line-step", "a strip held wet at one end: error of u and of the uptake",
                              chart("half line, time step", "dt [s]", by_step)});
 }
