@@ -35,15 +35,14 @@ double row_product(const SheetMatrix& a, const Values& x, std::size_t i) {
 }
 
 /// Mean of each component that the row sums fix: 1ᵀA (m 1) = 1ᵀb.
-Values split_mean(const SheetMatrix& a, const Values& rhs) {
-  Values mean(rhs.size(), 0.0);
+void split_mean(const SheetMatrix& a, const Values& rhs, Values& mean) {
+  mean.assign(rhs.size(), 0.0);
   const VertexGroups& groups = a.graph->components;
   for (std::size_t g = 0; g < groups.count(); ++g) {
     const double amount = sum_over(groups[g], [&](std::size_t i) { return rhs[i]; });
     const double capacity = sum_over(groups[g], [&](std::size_t i) { return a.row_sum[i]; });
     for (const std::int32_t i : groups[g]) mean[i] = amount / capacity;
   }
-  return mean;
 }
 
 /// What identifies a reference matrix: equal keys, equal factors.
@@ -57,7 +56,7 @@ struct FactorKey {
 /// agree.
 FactorKey make_key(const SheetMatrix& a) {
   FactorKey key;
-  key.diffusion = a.constant ? a.diffusion : std::exp2(std::round(4.0 * std::log2(a.diffusion)) / 4.0);
+  key.diffusion = std::exp2(std::round(4.0 * std::log2(a.diffusion)) / 4.0);
   key.supply.resize(a.storage.size());
   for (std::size_t i = 0; i < key.supply.size(); ++i)
     key.supply[i] =
@@ -72,13 +71,11 @@ double estimated_iterations(const SheetMatrix& a, double tolerance) {
   if (n == 0) return 0.0;
   const double root =
       sum_of(n, [&](std::size_t i) { return std::sqrt(a.diagonal[i] / a.row_sum[i]); }) / static_cast<double>(n);
-  // Constant matrices are smoothing kernels: their solves start from nothing.
-  const double start = a.constant ? 1.0 : 0.5;
-  return start * std::sqrt(0.5) * root * std::log(2.0 / tolerance);
+  return 0.5 * std::sqrt(0.5) * root * std::log(2.0 / tolerance);
 }
 
 struct LinearSolver::Impl {
-  Values residual, direction, preconditioned, product, inverse_diagonal, row_weight, shifted;
+  Values residual, direction, preconditioned, product, inverse_diagonal, row_weight, shifted, mean, deviation;
   std::vector<Pair> partial;
   Eigen::SparseMatrix<double> lower;
   Factor factor;
@@ -231,12 +228,14 @@ SolveReport LinearSolver::solve(const SheetMatrix& a, const Values& rhs, double 
   const auto start = std::chrono::steady_clock::now();
   Impl& s = *impl_;
   const std::size_t n = rhs.size();
-  for (Values* field : {&s.residual, &s.preconditioned, &s.inverse_diagonal, &s.row_weight, &s.shifted})
+  for (Values* field :
+       {&s.residual, &s.preconditioned, &s.inverse_diagonal, &s.row_weight, &s.shifted, &s.deviation})
     field->resize(n);
 
   // Take the mean out: A (m + v) = b becomes A v = b - (row sum) m.
-  const Values mean = split_mean(a, rhs);
-  Values v(n);
+  split_mean(a, rhs, s.mean);
+  const Values& mean = s.mean;
+  Values& v = s.deviation;
   parallel_for(n, chunk, [&](std::size_t i) { s.row_weight[i] = a.storage[i] / a.row_sum[i]; });
   const double scale = std::sqrt(sum_of(n, [&](std::size_t i) {
     const double weighted = rhs[i] * s.row_weight[i];

@@ -124,8 +124,8 @@ std::vector<double> tensor_corners(const solid::ShellMesh& mesh, const std::vect
 namespace {
 
 /// Areal amount of each triangle: harmonic mean of M_i/A_i, as for conductors in series.
-std::vector<double> triangle_density(const solid::ShellMesh& mesh, const std::vector<double>& mass) {
-  std::vector<double> density(mesh.triangles.size());
+void triangle_density(const solid::ShellMesh& mesh, const std::vector<double>& mass, std::vector<double>& density) {
+  density.resize(mesh.triangles.size());
   parallel_for(density.size(), chunk, [&](std::size_t t) {
     double resistance = 0.0;
     bool conducts = true;
@@ -135,12 +135,12 @@ std::vector<double> triangle_density(const solid::ShellMesh& mesh, const std::ve
     }
     density[t] = conducts ? 3.0 / resistance : 0.0;
   });
-  return density;
 }
 
 void build_cotan(const solid::ShellMesh& mesh, const SheetGraph& graph, bool clamp,
                  const std::vector<double>& corner, const std::vector<double>& mass, SheetOperator& result) {
-  const std::vector<double> density = triangle_density(mesh, mass);
+  std::vector<double>& density = result.scratch;
+  triangle_density(mesh, mass, density);
   parallel_for(mesh.edges.size(), chunk, [&](std::size_t e) {
     double weight = 0.0;
     for (const std::int32_t c : graph.corner[e])
@@ -166,7 +166,8 @@ void build_operator(const solid::ShellMesh& mesh, const SheetGraph& graph, const
   if (choice.kind == Operator::cotan) return build_cotan(mesh, graph, choice.clamp, corner, mass, result);
 
   // Gather lengths first; each vertex then adds its own, in row order.
-  std::vector<double> length(edges);
+  std::vector<double>& length = result.scratch;
+  length.resize(edges);
   parallel_for(edges, chunk, [&](std::size_t e) { length[e] = bounded_length(mesh, x, e); });
   const double mean =
       edges == 0 ? 1.0 : sum_of(edges, [&](std::size_t e) { return length[e]; }) / static_cast<double>(edges);

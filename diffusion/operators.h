@@ -41,6 +41,7 @@ std::vector<double> tensor_corners(const solid::ShellMesh& mesh, const std::vect
 struct SheetOperator {
   std::vector<double> edge;
   std::vector<double> storage;
+  std::vector<double> scratch;  ///< kept between fillings
 };
 
 /// What an operator is made from besides the graph.
@@ -60,12 +61,11 @@ void build_operator(const solid::ShellMesh& mesh, const SheetGraph& graph, const
 struct SheetMatrix {
   const SheetGraph* graph = nullptr;
   const SheetOperator* reference = nullptr;  ///< unit-density operator of the rest shape, for the frozen factor
-  bool constant = false;         ///< diffusion is the same in every step: the frozen factor takes it exactly
-  double diffusion = 0.0;        ///< dt α, or R² of a smoothing kernel
-  std::vector<double> storage;   ///< s_i, next to nothing where the vertex holds nothing
-  std::vector<double> row_sum;   ///< s_i + dt k_i
-  std::vector<double> diagonal;  ///< V
-  std::vector<double> entry;     ///< off-diagonal values in the order of graph.column
+  double diffusion = 0.0;                    ///< dt α
+  std::vector<double> storage;               ///< s_i, next to nothing where the vertex holds nothing
+  std::vector<double> row_sum;               ///< s_i + dt k_i
+  std::vector<double> diagonal;              ///< V
+  std::vector<double> entry;                 ///< off-diagonal values in the order of graph.column
 };
 
 /// Writes the values in place; `extra` is dt k_i per vertex in the units of the storage (empty: 0), `factor` an

@@ -26,7 +26,7 @@ struct Projection {
 Projection project_total(std::span<const std::int32_t> members, const std::vector<double>& weight, double target,
                          double cap, std::vector<double>& v);
 
-/// Applies K = (M + R² L)^-1 to a right-hand side.
+/// Applies a symmetric K, near (A + R² L)^-1, to a right-hand side.
 using Kernel = std::function<std::vector<double>(const std::vector<double>& rhs)>;
 
 /// Takes the mean of C over each vertex's neighbourhood out again, in proportion to what the vertices hold:

@@ -39,9 +39,8 @@ void DiffusionSolver::Impl::follow_topology(const solid::ShellMesh& mesh) {
   graph = build_graph(mesh);
   rest_corner = corner_cotangents(mesh, mesh.rest);
   build_operator(mesh, graph, choice(true), mesh.rest, rest_corner, mesh.vertex_area, reference);
-  build_operator(mesh, graph, {}, mesh.rest, rest_corner, mesh.vertex_area, kernel_reference);
   solver.reset();
-  kernel_solver.reset();
+  neighbourhood.reset();
 }
 /// Supply, loss and spreading of one step; u_star enters as u.
 void DiffusionSolver::Impl::spread(const Values& u, const DiffusionInput& in, double dt, Values& u_star,
@@ -76,7 +75,8 @@ DiffusionReport DiffusionSolver::step(std::vector<double>& u, const DiffusionInp
   const auto start = Clock::now();
   s.book_external(u, input, dt, report);
   const double refused = report.excess;
-  Values u_star = u;
+  Values& u_star = s.spread_u;
+  u_star = u;
   s.spread(u, input, dt, u_star, report);
   if (!moves_along_edges(s.params.model) && s.params.discretisation != Operator::cotan)
     report.drift = amount_of(u_star) - (report.before + report.supplied - refused - report.lost);

@@ -3,6 +3,7 @@
 /// [Kim & Lee 2017, Eqs (8a)-(8g)].
 #include "diffusion/edge_transfers.h"
 #include "diffusion/linear_solver.h"
+#include "diffusion/neighbourhood.h"
 #include "diffusion/operators.h"
 #include "diffusion/redistribution.h"
 #include "diffusion/strain_diffusion.h"
@@ -23,14 +24,16 @@ struct DiffusionSolver::Impl {
   std::vector<Vec3> rest;
   SheetGraph graph;
   Values rest_corner;
-  SheetOperator reference, kernel_reference;
-  LinearSolver solver, kernel_solver;
+  SheetOperator reference;
+  std::unique_ptr<Neighbourhood> neighbourhood;  ///< made when a local scope first asks for it
+  LinearSolver solver;
   // Scratch of one step.
-  Values corner, extra, edge_factor, rhs, unit_weight;
-  SheetOperator op, kernel_op;
-  SheetMatrix matrix, kernel_matrix;
+  Values spread_u, corner, extra, edge_factor, rhs, unit_weight;
+  SheetOperator op;
+  SheetMatrix matrix;
   Values loss, supply, amount, given;  ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
   Values c, c_front, strain;
+  std::vector<std::uint8_t> front;
 
   explicit Impl(const DiffusionParams& p) : params(p) {}
 
@@ -50,7 +53,7 @@ struct DiffusionSolver::Impl {
   void add_strain(const DiffusionInput& in, double dt, const Values& u_star, DiffusionReport& report);
   void redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
   void add_everywhere(const DiffusionInput& in, const Values& u_star, Values& u, DiffusionReport& report);
-  Kernel make_kernel(const DiffusionInput& in, DiffusionReport& report);
+  Kernel make_kernel(const solid::ShellMesh& mesh);
 
   /// C is a small part of u, and the totals are made exact afterwards: two digits less are enough.
   double increment_tolerance() const { return 100.0 * params.tolerance; }

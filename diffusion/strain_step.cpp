@@ -24,27 +24,33 @@ void DiffusionSolver::Impl::add_strain(const DiffusionInput& in, double dt, cons
   vertex_strain(params, *in.mesh, strain, dt, c);
   apply_noise(params, *in.mesh, dt, c);
   c_front.assign(c.size(), 0.0);
-  const bool any = std::any_of(c.begin(), c.end(), [](double value) { return value > 0.0; });
-  if (!adds_strain(params.model) || !any) return;
-  c_front = c;
+  const auto largest = [&](std::size_t begin, std::size_t end) {
+    return *std::max_element(c.begin() + static_cast<std::ptrdiff_t>(begin),
+                             c.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  if (!adds_strain(params.model) || parallel_max(c.size(), chunk, 0.0, largest) <= 0.0) return;
   if (params.order == Order::inside) {
-    parallel_for(c.size(), chunk, [&](std::size_t i) { rhs[i] = matrix.storage[i] * c[i]; });
+    parallel_for(c.size(), chunk, [&](std::size_t i) {
+      rhs[i] = matrix.storage[i] * c[i];
+      c_front[i] = c[i];
+    });
     note(report, solver.solve(matrix, rhs, increment_tolerance(), c_front), true);
-    parallel_for(c.size(), chunk, [&](std::size_t i) { c_front[i] = std::max(c_front[i], 0.0); });
   }
-  for (std::size_t i = 0; i < c.size(); ++i)
-    if ((*in.mass)[i] <= 0.0 || u_star[i] < 0.0) c_front[i] = 0.0;
+  const Values& added = params.order == Order::inside ? c_front : c;
+  parallel_for(c.size(), chunk, [&](std::size_t i) {
+    c_front[i] = (*in.mass)[i] <= 0.0 || u_star[i] < 0.0 ? 0.0 : std::max(added[i], 0.0);
+  });
 }
 
-/// K = (M + R² L)^-1 on the rest shape.
-Kernel DiffusionSolver::Impl::make_kernel(const DiffusionInput& in, DiffusionReport& report) {
-  build_operator(*in.mesh, graph, {}, in.mesh->rest, rest_corner, *in.mass, kernel_op);
-  assemble(graph, kernel_op, params.scope_radius * params.scope_radius, {}, {}, kernel_matrix);
-  kernel_matrix.reference = &kernel_reference;
-  kernel_matrix.constant = true;
-  return [this, &report](const Values& right) {
-    Values result(right.size(), 0.0);
-    note(report, kernel_solver.solve(kernel_matrix, right, increment_tolerance(), result), true);
+/// K on the rest shape, the same until the topology changes.
+Kernel DiffusionSolver::Impl::make_kernel(const solid::ShellMesh& mesh) {
+  if (!neighbourhood) {
+    SheetOperator geometry;
+    build_operator(mesh, graph, {}, mesh.rest, rest_corner, mesh.vertex_area, geometry);
+    neighbourhood = std::make_unique<Neighbourhood>(mesh, graph, geometry, params.scope_radius);
+  }
+  return [this](const Values& right) {
+    Values result = neighbourhood->average(right);
     for (double& value : result) value = std::max(value, 0.0);
     return result;
   };
@@ -65,17 +71,20 @@ void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, co
   const Values& mass = *in.mass;
   const std::size_t n = u.size();
   const bool plain = params.total == Total::plain;
-  const std::vector<std::uint8_t> front = front_band(params, u_star, in.fraction_left);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (front[i] == 0)
-      c_front[i] = 0.0;
-    else if (mass[i] > 0.0)
-      ++report.front_vertices;
+  front = front_band(params, u_star, in.fraction_left);
+  parallel_for(n, chunk, [&](std::size_t i) {
+    if (front[i] == 0) c_front[i] = 0.0;
     u[i] = u_star[i] + c_front[i];
-  }
+  });
+  report.front_vertices = static_cast<std::size_t>(parallel_sum(n, chunk, [&](std::size_t begin, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += front[i] != 0 && mass[i] > 0.0 ? 1 : 0;
+    return static_cast<double>(count);
+  }));
   report.strain_added = sum_of(n, [&](std::size_t i) { return mass[i] * c_front[i]; });
-  Values supplied = given;
+  Values supplied;
   if (plain) {
+    supplied = given;
     unit_weight.assign(n, 0.0);
     for (std::size_t i = 0; i < n; ++i)
       if (mass[i] > 0.0) unit_weight[i] = 1.0, supplied[i] /= mass[i];
@@ -87,11 +96,11 @@ void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, co
                            .u_star = &u_star,
                            .c = &c_front,
                            .front = &front,
-                           .supply = &supplied,
+                           .supply = plain ? &supplied : &given,
                            .capacity = in.capacity,
                            .dt = dt};
   const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
-  const RescaleResult result = rescale(params, input, local ? make_kernel(in, report) : Kernel(), u);
+  const RescaleResult result = rescale(params, input, local ? make_kernel(*in.mesh) : Kernel(), u);
   report.rescale = result.rescale;
   if (!plain) {
     report.excess += result.excess;

@@ -15,6 +15,8 @@ std::vector<Experiment> build_list() {
   add_flag(list);
   add_ablation(list);
   add_convergence(list);
+  add_cost(list);
+  add_accuracy(list);
   list.push_back({"fig02", "Fig 2: photographs of burnt and wet sheets", "reference only", "measured data", {}});
   list.push_back({"fig08", "Fig 8: a sheet of paper is shredded by fire", "tongues and shreds", "tearing", {}});
   list.push_back({"fig10", "Fig 10: sheet and smoke", "turbulent smoke at torn rims", "tearing", {}});

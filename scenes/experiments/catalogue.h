@@ -15,5 +15,7 @@ void add_rates(std::vector<Experiment>& list);         ///< Figs 17, 18
 void add_flag(std::vector<Experiment>& list);          ///< Fig 19
 void add_ablation(std::vector<Experiment>& list);      ///< what each part of the method does
 void add_convergence(std::vector<Experiment>& list);   ///< dt and mesh refinement
+void add_cost(std::vector<Experiment>& list);          ///< Fig 20
+void add_accuracy(std::vector<Experiment>& list);      ///< work and precision against closed forms
 
 }  // namespace wick::scenes

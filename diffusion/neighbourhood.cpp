@@ -1,0 +1,157 @@
+#include "diffusion/neighbourhood.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "core/require.h"
+
+namespace wick::diffusion {
+
+namespace {
+
+using Values = std::vector<double>;
+using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+/// Patches R/2 apart resolve the exponential decay of K over R to some per cent; hats overlap up to the next but
+/// one.
+constexpr double spacing_of_radius = 0.5, reach_of_spacing = 1.5;
+
+/// Vertices by distance along the edges from one of them.
+struct Walk {
+  const solid::ShellMesh& mesh;
+  const SheetGraph& graph;
+  Values distance = Values(graph.offset.size() - 1, INFINITY);
+  std::vector<std::int32_t> reached = {};
+
+  /// Fills `reached` with what is nearer than `limit`, nearest first.
+  void from(std::int32_t start, double limit) {
+    for (const std::int32_t i : reached) distance[i] = INFINITY;
+    reached.clear();
+    using Entry = std::pair<double, std::int32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    open.emplace(0.0, start);
+    distance[start] = 0.0;
+    while (!open.empty()) {
+      const auto [d, i] = open.top();
+      open.pop();
+      if (d > distance[i]) continue;
+      reached.push_back(i);
+      for (std::int32_t k = graph.offset[i]; k < graph.offset[i + 1]; ++k) {
+        const std::int32_t j = graph.column[k];
+        const double through = d + mesh.rest_length[graph.entry_edge[k]];
+        if (through >= limit || through >= distance[j]) continue;
+        distance[j] = through;
+        open.emplace(through, j);
+      }
+    }
+  }
+};
+
+/// Hats of the patches: a net of seeds no nearer to each other than `spacing`, in the order of the vertices.
+Sparse build_hats(const solid::ShellMesh& mesh, const SheetGraph& graph, const Values& area, double spacing) {
+  const double reach = reach_of_spacing * spacing;
+  Values nearest(area.size(), INFINITY), sum(area.size(), 0.0);
+  Walk walk{.mesh = mesh, .graph = graph};
+  Triplets entries;
+  int patches = 0;
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    if (area[i] <= 0.0 || nearest[i] < spacing) continue;
+    walk.from(static_cast<std::int32_t>(i), reach);
+    for (const std::int32_t j : walk.reached) {
+      const double q = walk.distance[j] / reach, hat = (1.0 - q * q) * (1.0 - q * q);
+      nearest[j] = std::min(nearest[j], walk.distance[j]);
+      sum[j] += hat;
+      entries.emplace_back(j, patches, hat);
+    }
+    ++patches;
+  }
+  Sparse hats(static_cast<Eigen::Index>(area.size()), patches);
+  hats.setFromTriplets(entries.begin(), entries.end());
+  parallel_for(area.size(), chunk, [&](std::size_t i) {
+    for (int k = hats.outerIndexPtr()[i]; k < hats.outerIndexPtr()[i + 1]; ++k) hats.valuePtr()[k] /= sum[i];
+  });
+  return hats;
+}
+
+/// A + R² L.
+Sparse build_matrix(const SheetGraph& graph, const SheetOperator& op, double squared_radius) {
+  const auto n = static_cast<Eigen::Index>(op.storage.size());
+  Sparse matrix(n, n);
+  matrix.reserve(n + static_cast<Eigen::Index>(graph.column.size()));
+  Triplets entries;
+  for (std::size_t i = 0; i < op.storage.size(); ++i) {
+    double diagonal = op.storage[i];
+    for (std::int32_t k = graph.offset[i]; k < graph.offset[i + 1]; ++k) {
+      const double flux = squared_radius * op.edge[graph.entry_edge[k]];
+      diagonal += flux;
+      entries.emplace_back(static_cast<int>(i), graph.column[k], -flux);
+    }
+    entries.emplace_back(static_cast<int>(i), static_cast<int>(i), diagonal);
+  }
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+/// Twice the largest distance from the first vertex.
+double extent_of(const std::vector<Vec3>& x) {
+  return 2.0 * parallel_max(x.size(), chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+           double most = 0.0;
+           for (std::size_t i = begin; i < end; ++i) most = std::max(most, (x[i] - x[0]).norm());
+           return most;
+         });
+}
+
+/// y = S x, row by row.
+template <class In, class Out>
+void multiply(const Sparse& s, const In& x, Out& y) {
+  parallel_for(static_cast<std::size_t>(s.rows()), chunk / 4, [&](std::size_t i) {
+    double sum = 0.0;
+    for (int k = s.outerIndexPtr()[i]; k < s.outerIndexPtr()[i + 1]; ++k)
+      sum += s.valuePtr()[k] * x[s.innerIndexPtr()[k]];
+    y[static_cast<std::ptrdiff_t>(i)] = sum;
+  });
+}
+
+}  // namespace
+
+struct Neighbourhood::Impl {
+  Sparse hats, gather;  ///< P and Pᵀ
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+};
+
+Neighbourhood::Neighbourhood(const solid::ShellMesh& mesh, const SheetGraph& graph, const SheetOperator& op,
+                             double radius)
+    : impl_(std::make_unique<Impl>()) {
+  // Ten times the sheet's extent is the mean of all of it; more would only cost digits.
+  const double bounded = std::min(radius, 10.0 * extent_of(mesh.rest));
+  impl_->hats = build_hats(mesh, graph, op.storage, spacing_of_radius * bounded);
+  impl_->gather = impl_->hats.transpose();
+  if (impl_->hats.cols() == 0) return;
+  const Eigen::SparseMatrix<double> coarse =
+      impl_->gather * build_matrix(graph, op, bounded * bounded) * impl_->hats;
+  impl_->factor.compute(coarse);
+  require(impl_->factor.info() == Eigen::Success, "/diffusion/scope_radius",
+          "the neighbourhoods could not be factorised (their matrix has lost its digits) reduce it",
+          ExitCode::numerical_failure);
+}
+
+Neighbourhood::~Neighbourhood() = default;
+
+std::size_t Neighbourhood::patches() const {
+  return static_cast<std::size_t>(impl_->hats.cols());
+}
+
+std::vector<double> Neighbourhood::average(const std::vector<double>& rhs) const {
+  Values result(rhs.size(), 0.0);
+  if (patches() == 0) return result;
+  Eigen::VectorXd amount(impl_->hats.cols());
+  multiply(impl_->gather, rhs, amount);
+  const Eigen::VectorXd density = impl_->factor.solve(amount);
+  multiply(impl_->hats, density, result);
+  return result;
+}
+
+}  // namespace wick::diffusion
