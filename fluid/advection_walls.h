@@ -33,16 +33,14 @@ struct WallTransport {
     if (near == 0) return 0;
 
     // All cells that the path and its stencils see lie between these, with room for rounding.
-    alignas(32) std::array<std::array<std::int32_t, lanes>, 3> low, high;
+    std::array<std::array<std::int32_t, lanes>, 3> low, high;
     for (int a = 0; a < 3; ++a) {
       const F8 from = min8(path.start[a], min8(path.middle[a], path.x[a])) - (0.5F + rounding);
       const F8 to = max8(path.start[a], max8(path.middle[a], path.x[a])) + (0.5F + rounding);
       // Whatever lies farther outside is as good as just outside.
       const auto end = static_cast<float>(grid.size(a)) + 4.0F;
-      const I8 first = __builtin_convertvector(floor8(clamp8(from, -4.0F, end)), I8);
-      const I8 last = __builtin_convertvector(floor8(clamp8(to, -4.0F, end)), I8);
-      std::memcpy(low[a].data(), &first, sizeof first);
-      std::memcpy(high[a].data(), &last, sizeof last);
+      low[a] = lanes_of(__builtin_convertvector(floor8(clamp8(from, -4.0F, end)), I8));
+      high[a] = lanes_of(__builtin_convertvector(floor8(clamp8(to, -4.0F, end)), I8));
     }
     for (unsigned left = near; left; left &= left - 1) {
       const int lane = __builtin_ctz(left);
@@ -121,7 +119,8 @@ struct WallTransport {
     // Of a face, the cells on both sides count.
     F8 clear = load_bytes(clearance(i, j, k));
     if constexpr (A < 3) clear = min8(clear, load_bytes(clearance(i - (A == 0), j - (A == 1), k - (A == 2))));
-    const I8 far = stretch + (A < 3 ? 2.0F : 1.5F) + rounding < clear;
+    const I8 within = stretch + (A < 3 ? 2.0F : 1.5F) + rounding < clear;
+    const auto far = lanes_of(within);
     unsigned near = 0;
     for (int lane = 0; lane < lanes; ++lane) near |= (far[lane] ? 0U : 1U) << lane;
     return near;

@@ -1,6 +1,7 @@
 #pragma once
 /// Eight floats at a time, in the compiler's own vector types: the same source runs on any machine, and where
 /// the machine has AVX2 one value is one register.
+#include <array>
 #include <cstdint>
 #include <cstring>
 
@@ -34,6 +35,18 @@ WICK_INLINE F8 load8(const float* p) {
 }
 WICK_INLINE void store8(float* p, F8 v) {
   std::memcpy(p, &v, sizeof v);
+}
+/// The lanes as an array. Code that picks a lane by a variable goes through this and never writes v[lane]: with
+/// -fsanitize=undefined GCC 12 checks such an index in a register that it has already reused.
+WICK_INLINE std::array<float, lanes> lanes_of(F8 v) {
+  std::array<float, lanes> a;
+  std::memcpy(a.data(), &v, sizeof v);
+  return a;
+}
+WICK_INLINE std::array<std::int32_t, lanes> lanes_of(I8 v) {
+  std::array<std::int32_t, lanes> a;
+  std::memcpy(a.data(), &v, sizeof v);
+  return a;
 }
 /// Stores the first `count` lanes (all of them if there are more).
 WICK_INLINE void store_some(float* p, F8 v, int count) {

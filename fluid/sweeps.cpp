@@ -50,7 +50,7 @@ bool multiply_row(const float* q, const float* air, float* ratio, int n) {
     store8(ratio + i, v * load8(air + i));
   }
   float most = 0.0F;
-  for (int lane = 0; lane < lanes; ++lane) most = std::max(most, any[lane]);
+  for (const float lane : lanes_of(any)) most = std::max(most, lane);
   return most > 0.0F;
 }
 
