@@ -23,30 +23,75 @@ Front front_at(const SheetHistory& run, FrontOf of, std::size_t frame) {
                                level);
 }
 
+/// c of every vertex, averaged over the frames after `from` up to `to`.
+std::vector<double> mean_strain(const std::vector<std::vector<double>>& c, std::size_t from, std::size_t to) {
+  std::vector<double> mean = strain_of(c, to);
+  for (std::size_t n = from + 1; n < to; ++n)
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += strain_of(c, n)[i];
+  for (double& value : mean) value /= static_cast<double>(std::max<std::size_t>(to - from, 1));
+  return mean;
+}
+
+/// Curvature of a sampled front in the plane of the chart, over three samples to each side [1/m].
+std::vector<double> curvature_of(const diffusion::SampledFront& s) {
+  constexpr std::ptrdiff_t reach = 3;
+  const auto n = static_cast<std::ptrdiff_t>(s.position.size());
+  const auto at = [&](std::ptrdiff_t k) {
+    return s.position[s.closed ? (k + n) % n : std::clamp<std::ptrdiff_t>(k, 0, n - 1)];
+  };
+  std::vector<double> curvature(s.position.size());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    const Vec3 in = at(k) - at(k - reach), out = at(k + reach) - at(k);
+    const double length = 0.5 * (in.norm() + out.norm());
+    curvature[k] = length > 0.0 ? std::atan2(in.cross(out).z(), in.dot(out)) / length : 0.0;
+  }
+  return curvature;
+}
+
+/// What one station in time says of the front's samples.
+struct Advance {
+  std::vector<double> distance;  ///< from the old front [m]
+  std::vector<double> strain;    ///< c, mean since the old front
+  std::vector<double> source;    ///< distance from where the front began [m]
+  std::vector<double> curvature;
+};
+
+Advance advance_of(const Front& before, const Front& now, const Front& first, const std::vector<double>& c,
+                   double h) {
+  Advance a;
+  for (const diffusion::FrontPiece& piece : now.pieces) {
+    if (before.pieces.empty() || piece.length() < 6.0 * h) continue;
+    const std::vector<double>* fields[] = {&c};
+    const diffusion::SampledFront samples = diffusion::sample(piece, h, fields);
+    for (const Vec3& p : samples.position) {
+      a.distance.push_back(diffusion::distance_to(before, p));
+      a.source.push_back(diffusion::distance_to(first, p));
+    }
+    a.strain.insert(a.strain.end(), samples.field[0].begin(), samples.field[0].end());
+    const std::vector<double> bend = curvature_of(samples);
+    a.curvature.insert(a.curvature.end(), bend.begin(), bend.end());
+  }
+  return a;
+}
+
 /// r_s: over about twenty stations in time, how far each place of the new front is from the old one, against c
-/// there.
+/// there, with the distance from the source and the front's curvature partialled out: both slow a front down
+/// without any strain, and a held sheet is strained most beside its source.
 double advance_correlation(const SheetHistory& run, const std::vector<std::vector<double>>& c, FrontOf of,
                            double h) {
   const std::size_t stride = std::max<std::size_t>(1, run.frames.size() / 20);
   double sum = 0.0, count = 0.0;
-  Front before;
+  Front before, first;
   for (std::size_t n = 0; n < run.frames.size(); n += stride) {
     const Front now = front_at(run, of, n);
-    std::vector<double> advance, strain;
+    if (first.pieces.empty()) first = now;
+    const Advance a = advance_of(before, now, first, mean_strain(c, n - std::min(n, stride), n), h);
     double square = 0.0;
-    for (const diffusion::FrontPiece& piece : now.pieces) {
-      if (before.pieces.empty() || piece.length() < 6.0 * h) continue;
-      const std::vector<double>* fields[] = {&strain_of(c, n)};
-      const diffusion::SampledFront samples = diffusion::sample(piece, h, fields);
-      for (std::size_t k = 0; k < samples.position.size(); ++k) {
-        advance.push_back(diffusion::distance_to(before, samples.position[k]));
-        strain.push_back(samples.field[0][k]);
-        square += advance.back() * advance.back();
-      }
-    }
+    for (const double d : a.distance) square += d * d;
     // Below a tenth of an edge an advance is only where the mesh happens to be cut.
-    if (!advance.empty() && std::sqrt(square / static_cast<double>(advance.size())) > 0.1 * h) {
-      sum += diffusion::spearman(advance, strain);
+    if (!a.distance.empty() && std::sqrt(square / static_cast<double>(a.distance.size())) > 0.1 * h) {
+      const std::vector<double> controls[] = {a.source, a.curvature};
+      sum += diffusion::partial_spearman(a.distance, a.strain, controls);
       count += 1.0;
     }
     before = now;
