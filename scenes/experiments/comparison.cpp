@@ -72,6 +72,7 @@ void add_earlier_method(const Comparison& all, std::size_t method, std::size_t o
   report.checks.push_back(
       at_most("Rq4(" + label + ")/Rq4(ours)", over(all.roughness(method), all.roughness(ours)), 0.5));
   report.checks.push_back(at_most("|r_s(" + label + ")|", all.advance_size(method), 0.15));
+  report.checks.push_back(reported("r_s partial(" + label + ")", all.of(method, &FrontNumbers::advance_partial)));
 }
 
 }  // namespace wick::scenes

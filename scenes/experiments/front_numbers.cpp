@@ -74,13 +74,20 @@ Advance advance_of(const Front& before, const Front& now, const Front& first, co
   return a;
 }
 
+/// Mean over the stations in time at which a front has moved.
+struct AdvanceCorrelation {
+  double raw = 0.0, partial = 0.0;
+};
+
 /// r_s: over about twenty stations in time, how far each place of the new front is from the old one, against c
-/// there, with the distance from the source and the front's curvature partialled out: both slow a front down
-/// without any strain, and a held sheet is strained most beside its source.
-double advance_correlation(const SheetHistory& run, const std::vector<std::vector<double>>& c, FrontOf of,
-                           double h) {
+/// there. Partial: with the distance from the source and the front's curvature partialled out. Both slow a front
+/// down without any strain, and a held sheet is strained most beside its source; but bulges and curvature are also
+/// what strain makes of a front, so that the partial number misses what has grown already.
+AdvanceCorrelation correlate_advance(const SheetHistory& run, const std::vector<std::vector<double>>& c, FrontOf of,
+                                     double h) {
   const std::size_t stride = std::max<std::size_t>(1, run.frames.size() / 20);
-  double sum = 0.0, count = 0.0;
+  AdvanceCorrelation sum;
+  double count = 0.0;
   Front before, first;
   for (std::size_t n = 0; n < run.frames.size(); n += stride) {
     const Front now = front_at(run, of, n);
@@ -91,12 +98,13 @@ double advance_correlation(const SheetHistory& run, const std::vector<std::vecto
     // Below a tenth of an edge an advance is only where the mesh happens to be cut.
     if (!a.distance.empty() && std::sqrt(square / static_cast<double>(a.distance.size())) > 0.1 * h) {
       const std::vector<double> controls[] = {a.source, a.curvature};
-      sum += diffusion::partial_spearman(a.distance, a.strain, controls);
+      sum.raw += diffusion::spearman(a.distance, a.strain);
+      sum.partial += diffusion::partial_spearman(a.distance, a.strain, controls);
       count += 1.0;
     }
     before = now;
   }
-  return count > 0.0 ? sum / count : 0.0;
+  return count > 0.0 ? AdvanceCorrelation{sum.raw / count, sum.partial / count} : AdvanceCorrelation{};
 }
 
 Vec3 middle_of(const std::vector<Vec3>& x) {
@@ -145,7 +153,9 @@ FrontNumbers measure_front(const SheetHistory& run, const SheetHistory& isotropi
     if (burnt(run.frames[frame], i) || burnt(isotropic.frames[same], i)) virgin[i] = -1.0;  // outside 0.15 .. 0.85
   n.ahead = diffusion::displacement_correlation(run.frames[frame].u, virgin,
                                                 diffusion::smoothed(run.mesh, strain_of(c, frame), 0.04));
-  n.advance = advance_correlation(run, c, question.of, h);
+  const AdvanceCorrelation advance = correlate_advance(run, c, question.of, h);
+  n.advance = advance.raw;
+  n.advance_partial = advance.partial;
   return n;
 }
 
@@ -164,16 +174,16 @@ std::vector<double> MethodNumbers::of(double FrontNumbers::*number) const {
 }
 
 Table numbers_table(const std::string& name, const std::vector<MethodNumbers>& methods) {
-  Table table{
-      .name = name,
-      .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "rG_unburnt", "r_s", "AI4"},
-      .rows = {}};
+  Table table{.name = name,
+              .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "rG_unburnt", "r_s",
+                          "r_s_partial", "AI4"},
+              .rows = {}};
   for (const MethodNumbers& m : methods)
     for (std::size_t s = 0; s < m.seeds.size(); ++s) {
       const FrontNumbers& n = m.seeds[s];
       table.add({m.label, std::to_string(s + 1)},
                 {n.covered, n.tortuosity, n.fine_roughness, n.relative_roughness, n.departure, n.dimension,
-                 n.pieces, n.displacement, n.ahead, n.advance, n.anisotropy});
+                 n.pieces, n.displacement, n.ahead, n.advance, n.advance_partial, n.anisotropy});
     }
   return table;
 }

@@ -93,5 +93,16 @@ TEST(FrontNumbers, TellAFrontThatFollowsStrainFromOneThatDoesNot) {
   EXPECT_NEAR(ours.covered, 0.35, 0.03);
 }
 
+TEST(FrontNumbers, PartialAdvanceSeesThroughStrainThatLiesBesideTheSource) {
+  // The front tilts, as it is fast on the right, and c falls with the distance from the source alone.
+  const solid::ShellMesh mesh = solid::build_mesh(solid::rectangle(61, 71, Vec2(1.0, 1.0)));
+  std::vector<double> c;
+  for (const Vec3& p : mesh.rest) c.push_back(1.0 - p.y());
+  const SheetHistory tilted = moving_front(mesh, [](double x) { return 0.1 * x; });
+  const FrontNumbers numbers = measure_front(tilted, tilted, {c}, {FrontOf::u, 0.35, true});
+  EXPECT_LT(numbers.advance, -0.9);
+  EXPECT_LT(std::abs(numbers.advance_partial), 0.3);
+}
+
 }  // namespace
 }  // namespace wick::scenes
