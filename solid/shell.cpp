@@ -11,6 +11,7 @@
 #include "solid/constraints.h"
 #include "solid/contact.h"
 #include "solid/spin.h"
+#include "solid/triangle_contact.h"
 
 namespace wick::solid {
 
@@ -49,6 +50,7 @@ struct ShellSolver::Impl {
       : params(p),
         constraints(mesh, p),
         spin(mesh),
+        triangle_contact(mesh, 0.5 * p.thickness),
         vertex_count(mesh.vertex_count()),
         position(vertex_count + 1),
         previous(vertex_count + 1),
@@ -74,6 +76,7 @@ struct ShellSolver::Impl {
   ShellParams params;
   ConstraintSet constraints;
   SpinKeeper spin;
+  TriangleContact triangle_contact;
   std::size_t vertex_count;
   std::vector<Row> position;        ///< x and inverse mass
   std::vector<Row> previous;        ///< x at the start of the substep
@@ -82,9 +85,10 @@ struct ShellSolver::Impl {
   std::vector<double> clearance;    ///< a distance to all obstacles that is certainly there [m]
   std::vector<std::uint8_t> touched;  ///< by an obstacle in this substep, or cut to the speed limit
   std::vector<Tally> tally;
-  double h = 0.0;      ///< substep [s]
-  double gamma = 0.0;  ///< Rayleigh damping b/h
-  double keep = 1.0;   ///< share of the velocity that air drag leaves a substep
+  std::size_t between_vertices = 0;  ///< vertices moved by contacts of triangles in the last substep
+  double h = 0.0;                    ///< substep [s]
+  double gamma = 0.0;                ///< Rayleigh damping b/h
+  double keep = 1.0;                 ///< share of the velocity that air drag leaves a substep
 };
 
 void ShellSolver::Impl::load(const ShellState& state, const ShellInputs& inputs, const Pins& pins) {
@@ -185,9 +189,11 @@ void ShellSolver::Impl::finish(const std::vector<Obstacle>& obstacles, double st
         touched[i] = 1;
       }
       position[i] = row(x, position[i].w);
+      previous[i] = row(origin, position[i].w);
       velocity[i] = row(v, 0.0);
     }
   });
+  between_vertices = triangle_contact.resolve(start, h, position, previous, velocity, touched);
 }
 
 double ShellSolver::Impl::touch(const std::vector<Obstacle>& obstacles, double start, Vec3& x, Vec3& origin) const {
@@ -202,6 +208,7 @@ void ShellSolver::Impl::store(const ShellMesh& mesh, ShellState& state, ShellSte
     state.x[i] = vector(position[i]);
     state.v[i] = vector(velocity[i]);
   });
+  report.contacts = between_vertices;
   for (const Tally& counts : tally) {
     report.contacts += counts.contacts;
     report.limited += counts.limited;
@@ -250,6 +257,7 @@ ShellStepReport ShellSolver::step(ShellState& state, const ShellMesh& mesh, cons
   s.load(state, inputs, pins);
   s.prepare_push(force, wind, gravity);
   s.spin.choose_free(pins, inputs);
+  s.triangle_contact.begin_step(obstacles);
   for (int k = 0; k < report.substeps; ++k) {
     s.spin.remember(s.position, s.velocity, s.push, s.keep);
     s.predict();
