@@ -76,10 +76,12 @@ Strain<T> solve_symmetric(const T& a00, const T& a01, const T& a02, const T& a11
 
 /// One XPBD projection of a triangle [Macklin 2016, Eqs 17-18, 26] with Rayleigh damping γ,
 ///   ((1+γ) J W Jᵀ + α̃) λ = −(c + γ J (x − xⁿ)),   x += W Jᵀ λ,   α̃ = S/(A h²).
-/// One sweep from λ = 0 leaves some (1+γ) J W Jᵀ/2 + α̃ of strain per λ, so that where J W Jᵀ exceeds α̃ damping
-/// resists no motion that the substep resolves and only softens the sheet. So γ is b/h where α̃ is the larger and
-/// where the strain is so large that the sheet would be crushed undamped, and fades in between:
-///   γ = b/h (tr α̃ + s tr J W Jᵀ)/(tr α̃ + tr J W Jᵀ), s from 0 to 1 while the strain grows to a half.
+/// One sweep from λ = 0 leaves some (1+γ) J W Jᵀ/2 + α̃ of strain per λ: what damping adds to that softens the
+/// sheet. So γ is b/h only as far as it adds no more than the larger of α̃ and a quarter of J W Jᵀ,
+///   γ = min(b/h tr α̃/(tr α̃ + tr J W Jᵀ), 1/4 + tr α̃/tr J W Jᵀ),
+/// which tends to b/h as h falls; but where the strain is so large that the sheet would be crushed undamped, at
+/// least
+///   b/h s tr J W Jᵀ/(tr α̃ + tr J W Jᵀ), s from 0 to 1 while the strain grows to a half.
 /// `previous` are the corners at the start of the substep; `softness` is 1/(A h² stiffness scale), `damping` b/h.
 template <class T>
 void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLaw& law, double damping,
@@ -104,7 +106,8 @@ void project_triangle(const RestEdges<T>& b, const T& softness, const MembraneLa
   const T n11 = v0.w * b01 * b01 + v1.w * b.b11 * b.b11 + v2.w * b.b21 * b.b21;
   const T weight = n00 + n11, compliance = (law.warp + law.weft) * softness;
   const T large = smaller<T>(constant<T>(1.0), 4.0 * square);
-  const T gamma = damping * (compliance + large * weight) / (compliance + weight);
+  const T resolved = smaller<T>(damping * compliance / (compliance + weight), 0.25 + compliance / weight);
+  const T gamma = larger<T>(resolved, damping * large * weight / (compliance + weight));
   const T scale = 1.0 + gamma;
   const T m00 = scale * n00, m01 = scale * n01, m11 = scale * n11;
 
