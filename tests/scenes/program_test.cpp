@@ -91,10 +91,18 @@ TEST_F(Command, LeavesNothingOfAnInvalidScene) {
   refused({"check", "small.json", "--set", "/frames=none"}, 65, "/frames: expected a whole number");
   refused({"run", "small.json", "--set", "frames=3"}, 64, "is not /pointer=value");
   refused({"run", "none.json"}, 66, "no such file");
-  refused({"run", "small.json", "--set", "/shells/0/mesh={\"kind\": \"file\", \"file\": \"none.ply\"}"}, 66,
-          "none.ply");
   refused({"run", "small.json", "--set", "/smoke/resolution=[4000,4000,4000]"}, 77,
           "/smoke/resolution: needs about");
+  for (const auto& [section, kind] : {std::pair{"/shells/0/mesh", "file"}, std::pair{"/obstacles/0", "mesh"},
+                                      std::pair{"/shells/0/motion", "recorded"}}) {
+    const std::string pointer = section;
+    refused({"run", "small.json", "--set", pointer + "={\"kind\": \"" + kind + "\", \"file\": \"none.x\"}"}, 66,
+            "small.json: " + pointer + "/file: ");
+  }
+  refused({"run", "small.json", "--set", "/shells/0/mesh/vertices=[20000,20000]"}, 77,
+          "small.json: /shells/0/mesh/vertices: needs about 1.0 TB");
+  refused({"run", "small.json", "--set", "/shells/0/name=../x"}, 65,
+          "small.json: /shells/0/name: \"../x\" cannot be");
   refused({"run", "small.json", "--set", "/shells/1={\"name\": \"paper\"}"}, 65, "small.json: /shells/1/name: ");
   refused({"explain", "/nothing/like/it"}, 64, "no parameter");
 }
@@ -195,11 +203,21 @@ TEST_F(Command, EstimatesTheMemoryItNeeds) {
 
 TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
   if (sanitized) GTEST_SKIP() << "a sanitized program needs all of the address space";
-  const Outcome outcome = run({"run", "small.json", "--set", "/smoke/resolution=[200,200,200]"}, [] {
-    const rlimit limit{600 << 20, 600 << 20};
-    ::setrlimit(RLIMIT_AS, &limit);
-  });
-  EXPECT_EQ(outcome.code, 77) << outcome.err;
+  const auto expect_named = [&](const std::string& change, const std::string& pointer) {
+    const Outcome outcome = run({"run", "small.json", "--set", change}, [] {
+      const rlimit limit{600 << 20, 600 << 20};
+      ::setrlimit(RLIMIT_AS, &limit);
+    });
+    EXPECT_EQ(outcome.code, 77) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("wick: small.json: " + pointer + ": needs about ")) << outcome.err;
+  };
+  expect_named("/smoke/resolution=[200,200,200]", "/smoke/resolution");
+  expect_named("/shells/0/mesh/vertices=[1000,1000]", "/shells/0/mesh/vertices");
+  expect_named(R"(/shells/0/mesh={"kind": "icosphere", "subdivisions": 8})", "/shells/0/mesh/subdivisions");
+  expect_named(R"(/output/preview={"write": true, "size": [8000, 8000]})", "/output/preview/size");
+  std::string many = "/shells=[";
+  for (int n = 0; n < 100; ++n) many += std::string(n ? "," : "") + R"({"name": "s)" + std::to_string(n) + "\"}";
+  expect_named(many + "]", "/shells");
 }
 
 /// On a disk of 1 MB a frame of 64^3 cells cannot be written, which is said before anything is.
