@@ -6,8 +6,10 @@
 #include <sys/mount.h>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "scenes/disk_estimate.h"
+#include "scenes/hdf5_image.h"
 #include "scenes/scene_file.h"
 #include "tests/support/sanitized.h"
 
@@ -55,6 +57,29 @@ TEST_F(Command, RunsASceneAndLeavesTheContractedFiles) {
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_NE(outcome.err.find("frame 6/6"), std::string::npos);
   EXPECT_NE(outcome.out.find("whole run"), std::string::npos);
+}
+
+/// Every frame's row tells what its outputs cost, the first and the last too, and no residual is missing.
+TEST_F(Command, TimesItsOutputs) {
+  const Outcome outcome = run({"run", "small.json", "--set", "/output/preview/write=true"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string bytes = slurp(folder_ / "out/small/metrics.h5");
+  const scenes::Hdf5Reader reader(bytes);
+  const auto column = [&](const std::string& path) {
+    std::vector<double> values(reader.rows(path, ScalarType::f64, 1));
+    reader.read(path, ScalarType::f64, values.data());
+    return values;
+  };
+  for (const char* path : {"/timing/output", "/timing/output_background"}) {
+    const std::vector<double> seconds = column(path);
+    ASSERT_EQ(seconds.size(), 6U);
+    for (const double s : seconds) EXPECT_GT(s, 0.0) << path;
+    EXPECT_LT(std::accumulate(seconds.begin(), seconds.end(), 0.0), record()["wall_s"].get<double>()) << path;
+  }
+  EXPECT_EQ(column("/solve/pressure/residual").front(), 0.0) << "nothing is solved for the initial state";
+  for (const char* row : {"\noutput  ", "\n  pressure ", "\nwriting, meanwhile "})
+    EXPECT_NE(outcome.out.find(row), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("background"), std::string::npos) << "which is no part of the steps";
 }
 
 TEST_F(Command, EffectiveSceneGivesTheSameRun) {
