@@ -82,6 +82,20 @@ TEST_F(Command, TimesItsOutputs) {
   EXPECT_EQ(outcome.out.find("background"), std::string::npos) << "which is no part of the steps";
 }
 
+/// What an installed program needs is installed with it, the origin of its meshes included.
+TEST_F(Command, RunsInstalledFromAnotherFolder) {
+  const fs::path place = folder_ / "place";
+  Program install(folder_, {"--install", WICK_BUILD, "--prefix", place.string()}, {}, WICK_CMAKE);
+  ASSERT_EQ(install.wait(), 0) << install.err();
+  EXPECT_TRUE(fs::exists(place / "share/wick/scenes/meshes/bunny.ply"));
+  EXPECT_NE(slurp(place / "share/wick/scenes/meshes/README.md").find("Stanford"), std::string::npos);
+  Program bundled(folder_,
+                  {"run", "burning_bunny", "--frames", "1", "--quiet", "--set", "/smoke/resolution=[8,8,8]"}, {},
+                  place / "bin/wick");
+  EXPECT_EQ(bundled.wait(), 0) << bundled.err();
+  EXPECT_TRUE(fs::exists(folder_ / "out/burning_bunny/run.json"));
+}
+
 TEST_F(Command, EffectiveSceneGivesTheSameRun) {
   ASSERT_EQ(run({"run", "small.json", "--quiet"}).code, 0);
   ASSERT_EQ(run({"run", "out/small/scene.json", "--out", "again", "--quiet"}).code, 0);
