@@ -78,6 +78,8 @@ void require_own_files(const RunFolder& folder, const FolderClaim& claim) {
   const bool ours = holds_run(folder, record);
   for (const fs::path& file : {folder.record(), folder.metrics(), folder.manifest()})
     require_written_by_run(file, ours);
+  for (const int frame : checkpoint_frames(folder.checkpoints()))
+    require_written_by_run(folder.checkpoints() / checkpoint_name(frame), ours);
   require_written_by_run(folder.scene(), is_effective_scene(folder.scene(), claim.scene_text, record));
   // Told to begin anew, a run replaces frames of its own names whoever made them.
   if (ours || claim.restart) return;

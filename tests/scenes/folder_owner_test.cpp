@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "scenes/run_folder.h"
@@ -131,7 +132,8 @@ TEST_F(Owner, ResumedWithOtherFramesItReplacesItsOwnScene) {
 }
 
 TEST_F(Owner, RefusesAFolderWithForeignFilesOfItsNames) {
-  for (const char* file : {"run.json", "metrics.h5", "manifest.json", "meshes/paper.0002.ply", "run.lock"}) {
+  for (const char* file :
+       {"run.json", "metrics.h5", "manifest.json", "meshes/paper.0002.ply", "checkpoints/0002.h5", "run.lock"}) {
     put(std::string("a/") + file);
     expect_refused(file);
     EXPECT_EQ(slurp(folder_ / "a" / file), "mine");
@@ -153,6 +155,20 @@ TEST_F(Owner, NeverReplacesAFileThatTheSceneReads) {
   replay.emplace_back("--restart");
   expect_refused("/shells/0/motion/file: ", replay);
   EXPECT_TRUE(fs::exists(folder_ / "a/motion/paper.h5"));
+}
+
+/// Killed while it takes a folder over, or begins anew in it, a run leaves nothing that the next one takes for
+/// somebody else's.
+TEST_F(Owner, KnowsWhatAKilledRunLeft) {
+  for (int n = 0; n < 40; ++n) {
+    const std::string fps = "/fps=" + std::to_string(24 + n % 3);
+    Program program(folder_, {"run", "small.json", "--quiet", "--out", "a", "--restart", "--set", fps});
+    ::usleep(static_cast<useconds_t>(4000 + 1500 * n));
+    program.signal(SIGKILL);
+    program.wait();
+    if (n % 8 < 7) continue;
+    EXPECT_EQ(run({"--restart", "--set", fps}), 0) << n << ": " << error_;
+  }
 }
 
 }  // namespace

@@ -153,12 +153,18 @@ TEST_F(Command, RefusesABadCommandLine) {
                                              {"run"},
                                              {"run", "small.json", "--frames", "0"},
                                              {"run", "small.json", "--unknown"},
+                                             {"run", "small.json", "--out", ""},
+                                             {"check", ""},
                                              {"run", "small.json", "--threads", "x"}}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 64);
     EXPECT_TRUE(outcome.err.starts_with("wick: ")) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
+  EXPECT_NE(run({}).err.find("a command is missing (there are run, check, "), std::string::npos);
+  const std::string two_lines = run({"run", "two\nlines"}).err;
+  EXPECT_EQ(std::count(two_lines.begin(), two_lines.end(), '\n'), 1) << two_lines;
+  EXPECT_NE(run({"run", "--help"}).out.find("--frames N "), std::string::npos);
   EXPECT_NE(run({"chekc", "small.json"}).err.find("did you mean check?"), std::string::npos);
   EXPECT_EQ(run({"--help"}).code, 0);
   EXPECT_NE(run({"--help"}).out.find("Usage: wick "), std::string::npos);
@@ -187,6 +193,28 @@ TEST_F(Command, FindsTheScenesInstalledBesideIt) {
   Program bundled(folder_, {"run", "only_here", "--quiet"}, {}, folder_ / "place/bin/wick");
   EXPECT_EQ(bundled.wait(), 0) << bundled.err();
   EXPECT_TRUE(fs::exists(folder_ / "out/only_here/run.json"));
+}
+
+/// A run outlives whoever reads what it prints; an answer that cannot be printed is no success.
+TEST_F(Command, MindsItsStreams) {
+  const auto on = [](int fd, const char* device) {
+    if (device == nullptr)
+      ::close(fd);
+    else
+      ::dup2(::open(device, O_WRONLY), fd);
+  };
+  for (const char* device : {static_cast<const char*>(nullptr), "/dev/full"}) {
+    const Outcome outcome = run({"run", "small.json", "--frames", "3", "--restart"}, [&] {
+      on(STDOUT_FILENO, device);
+      on(STDERR_FILENO, device);
+    });
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(record()["outcome"], "done");
+    EXPECT_EQ(slurp(folder_ / "out/small/scene.json").find("frame 2/"), std::string::npos);
+  }
+  const Outcome list = run({"list"}, [&] { on(STDOUT_FILENO, "/dev/full"); });
+  EXPECT_EQ(list.code, 74);
+  EXPECT_EQ(list.err, "wick: cannot print the answer (No space left on device)\n");
 }
 
 TEST_F(Command, ChangesParametersFromTheCommandLine) {
