@@ -153,7 +153,8 @@ std::string identity_difference(const std::string& before, const std::string& no
   if (old_scene == new_scene) return "";
   if (old_scene.is_discarded() || new_scene.is_discarded()) return "the whole scene";
   const auto patch = nlohmann::json::diff(new_scene, old_scene);
-  const std::string pointer = patch.at(0).at("path").get<std::string>();
+  std::string pointer = patch.at(0).at("path").get<std::string>();
+  if (pointer.ends_with("/-")) pointer.resize(pointer.size() - 2);  // an element more or less: the list is shown
   const auto shown = [&](const nlohmann::json& scene) {
     const nlohmann::json::json_pointer at(pointer);
     if (!scene.contains(at)) return std::string("absent");

@@ -62,6 +62,7 @@ class Run {
     folder_.require_free_names();
     const std::string text = effective_file(scene_, folder_.root);
     require_own_files(folder_, {scene_, options_.scene, text, options_.restart});
+    record_.scene_file_sha256 = sha256(text);
     folder_.tidy();
     if (options_.restart) folder_.clear(scene_);
     const bool resumed = resume();
@@ -80,7 +81,6 @@ class Run {
   /// Makes the folder the run's own. The record comes first and names the effective scene that follows: killed at
   /// any moment, a run leaves nothing that the next one would take for somebody else's.
   void take_folder(const std::string& scene_text) {
-    record_.scene_file_sha256 = sha256(scene_text);
     const std::optional<RecordedRun> before = read_run_record(folder_.record());
     std::error_code ignored;  // write_file replaces what cannot be removed, or says why not
     if (before && before->scene_file_sha256 != record_.scene_file_sha256) fs::remove(folder_.scene(), ignored);

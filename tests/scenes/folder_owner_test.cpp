@@ -131,6 +131,15 @@ TEST_F(Owner, ResumedWithOtherFramesItReplacesItsOwnScene) {
   EXPECT_EQ(nlohmann::json::parse(slurp(folder_ / "a/scene.json"))["frames"], 5);
 }
 
+TEST_F(Owner, KnowsItsOwnSceneAfterItsRecordWasLost) {
+  ASSERT_EQ(run(), 0) << error_;
+  fs::remove(folder_ / "a/run.json");
+  ASSERT_EQ(run(), 0) << error_;
+  ASSERT_EQ(run({"--frames", "4"}), 0) << error_;
+  EXPECT_EQ(run({"--set", "/heat_sources=[]"}), 73);
+  EXPECT_NE(error_.find("(/heat_sources was [{"), std::string::npos) << error_;
+}
+
 TEST_F(Owner, RefusesAFolderWithForeignFilesOfItsNames) {
   for (const char* file :
        {"run.json", "metrics.h5", "manifest.json", "meshes/paper.0002.ply", "checkpoints/0002.h5", "run.lock"}) {
