@@ -246,10 +246,11 @@ TEST_F(Interruption, SaysThatTheDiskIsFull) {
 TEST_F(Interruption, LeavesATruthfulRecordOnAFullDisk) {
   fs::create_directories(folder_ / "disk");
   constexpr int skipped = 97;
-  // The disk is seen by the program alone: a shell in its place of the mount keeps what is left there.
+  // The disk is seen by the program alone, and whatever it frees there is filled at once by somebody else.
   const std::string script =
-      "mount -t tmpfs -o size=3m none disk || exit 97; \"$0\" run small.json --out disk/a --frames 400 --quiet "
-      "--set /output/volume/clip/density=0 --set /output/checkpoint/every=0; code=$?; "
+      "mount -t tmpfs -o size=3m none disk || exit 97; \"$0\" run small.json --out disk/a --frames 4000 --quiet & "
+      "run=$!; while [ ! -e disk/a/meshes/paper.0002.ply ]; do sleep 0.01; done; "
+      "while kill -0 $run; do cat /dev/zero >> disk/fill; done 2> /dev/null; wait $run; code=$?; "
       "cp disk/a/run.json record.json; ls -A disk/a > left; exit $code";
   Program program(
       folder_, {"-c", script, WICK_PROGRAM},
