@@ -55,9 +55,13 @@ std::uint64_t needed_memory(const Scene& scene) {
 /// The parameter to change: of the section that asks for most, the one that asks for half of it or more, or else
 /// the section as a whole.
 MemoryShare largest_share(const Scene& scene) {
+  MemoryShare program{"", 0.0, "free some of it"};
   std::map<std::string, MemoryShare> by_pointer, by_section;
   for (const MemoryShare& share : memory_shares(scene)) {
-    if (share.pointer.empty()) continue;
+    if (share.pointer.empty()) {
+      program.bytes += share.bytes;
+      continue;
+    }
     const std::string section = share.pointer.substr(0, share.pointer.find('/', 1));
     for (MemoryShare* sum : {&by_pointer[share.pointer], &by_section[section]}) {
       sum->bytes += share.bytes;
@@ -74,6 +78,7 @@ MemoryShare largest_share(const Scene& scene) {
     return found;
   };
   const MemoryShare section = largest(by_section, "");
+  if (program.bytes >= section.bytes) return program;
   const MemoryShare one = largest(by_pointer, section.pointer + "/");
   return 2.0 * one.bytes >= section.bytes ? one : section;
 }
