@@ -47,20 +47,25 @@ void require_bearable(const solid::TriangleSoup& soup, const MeshParams& p, cons
   constexpr double kBytesPerTriangle = 2000.0, kMost = 200e9;
   const double bytes =
       kBytesPerTriangle * static_cast<double>(soup.triangles.size()) * std::pow(4.0, p.subdivisions);
-  require(bytes <= std::min(kMost, static_cast<double>(available_memory())), pointer + "/subdivisions",
-          "would need about " + std::to_string(static_cast<long long>(bytes / 1e9)) + " GB; lower it",
+  const bool refined = p.subdivisions > 0;
+  require(bytes <= std::min(kMost, static_cast<double>(available_memory())),
+          pointer + (refined ? "/subdivisions" : "/file"),
+          "would need about " + std::to_string(static_cast<long long>(bytes / 1e9)) + " GB; " +
+              (refined ? "lower it" : "use a coarser mesh"),
           ExitCode::refused);
 }
 
 solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, const WorldParams& world) {
   switch (p.kind) {
     case MeshKind::rectangle:
-      return solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice);
+      return with_pointer(pointer + "/vertices",
+                          [&] { return solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice); });
     case MeshKind::icosphere:
-      return solid::icosphere(p.subdivisions, p.radius);
+      return with_pointer(pointer + "/subdivisions", [&] { return solid::icosphere(p.subdivisions, p.radius); });
     case MeshKind::cylinder:
       require(p.vertices[0] >= 3, pointer + "/vertices", "a cylinder needs at least 3 vertices around");
-      return solid::cylinder(p.size[0], p.size[1], p.vertices[0], p.vertices[1]);
+      return with_pointer(pointer + "/vertices",
+                          [&] { return solid::cylinder(p.size[0], p.size[1], p.vertices[0], p.vertices[1]); });
     case MeshKind::file:
       break;
   }
@@ -196,7 +201,8 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
   const Mat3 turn = rotation(params.mesh.rotation);
   for (Vec3& x : soup.positions) x = turn * (params.mesh.scale * x) + params.mesh.position;
   for (Vec2& m : soup.material) m *= params.mesh.scale;
-  sheet.original = with_pointer(pointer + "/mesh", [&] {
+  const bool from_file = params.mesh.kind == MeshKind::file;
+  sheet.original = with_pointer(pointer + (from_file ? "/mesh/file" : "/mesh"), [&] {
     return solid::build_mesh(std::move(soup.positions), std::move(soup.material), std::move(soup.triangles));
   });
   sheet.alive.assign(sheet.original.triangle_count(), 1);

@@ -91,14 +91,9 @@ void check_world(const WorldParams& p) {
                 (p.heat_sources[n].upper - p.heat_sources[n].lower).minCoeff() > 0.0,
             "/heat_sources/" + std::to_string(n) + "/upper", "must exceed lower in every direction");
   for (std::size_t n = 0; n < p.shells.size(); ++n) {
-    const std::string pointer = "/shells/" + std::to_string(n) + "/name";
     const std::string& name = p.shells[n].name;
-    const bool plain = !name.empty() && name.find_first_not_of(
-                                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-") ==
-                                            std::string::npos;
-    require(plain && name.front() != '.', pointer,
-            "\"" + name + "\" cannot name a file; use letters, digits, _ . -");
-    require(names.insert(name).second, pointer, "\"" + name + "\" is taken by an earlier shell; names must differ");
+    require(names.insert(name).second, "/shells/" + std::to_string(n) + "/name",
+            "\"" + name + "\" is taken by an earlier shell; names must differ");
   }
   // Below a tenth of a millimetre transforms of volumes lose their scale, and so do float velocities in cells a
   // step.
@@ -112,29 +107,62 @@ void check_world(const WorldParams& p) {
           "/smoke/sides", "a periodic side needs a periodic opposite side");
 }
 
+namespace {
+
+double mesh_file_bytes(const std::string& file, const WorldParams& p) {
+  std::error_code error;  // a file that is not there is refused when it is read
+  const auto size = std::filesystem::file_size(std::filesystem::path(p.directory) / file, error);
+  return error ? 0.0 : static_cast<double>(size);
+}
+
+MemoryShare mesh_memory(const ShellSection& shell, const std::string& pointer, const WorldParams& p) {
+  constexpr double kPerVertex = 2500.0;
+  const MeshParams& mesh = shell.mesh;
+  MemoryShare share{pointer + "/mesh/vertices", kPerVertex * estimated_vertices(shell, p), "use fewer vertices"};
+  if (mesh.kind == MeshKind::icosphere || (mesh.kind == MeshKind::file && mesh.subdivisions > 0)) {
+    share.pointer = pointer + "/mesh/subdivisions";
+    share.advice = "lower it";
+  } else if (mesh.kind == MeshKind::file) {
+    share.pointer = pointer + "/mesh/file";
+    share.advice = "use a coarser mesh";
+  }
+  return share;
+}
+
+}  // namespace
+
 double estimated_vertices(const ShellSection& shell, const WorldParams& p) {
   const MeshParams& mesh = shell.mesh;
   if (mesh.kind == MeshKind::icosphere) return 10.0 * std::pow(4.0, mesh.subdivisions) + 2.0;
   if (mesh.kind != MeshKind::file) return double(mesh.vertices[0]) * mesh.vertices[1];
   // A vertex with its triangles takes 38 bytes of a binary PLY, more as text.
   constexpr double kFileBytesPerVertex = 38.0;
-  std::error_code error;  // a file that is not there is refused when it is read
-  const auto size = std::filesystem::file_size(std::filesystem::path(p.directory) / mesh.file, error);
-  return error ? 0.0 : static_cast<double>(size) / kFileBytesPerVertex * std::pow(4.0, mesh.subdivisions);
+  return mesh_file_bytes(mesh.file, p) / kFileBytesPerVertex * std::pow(4.0, mesh.subdivisions);
 }
 
-std::uint64_t estimate_world_bytes(const WorldParams& p) {
+std::vector<MemoryShare> world_memory(const WorldParams& p) {
   // Bytes a cell: state 36, walls 28, advection and solver work arrays about 160 (measured on the bundled scenes,
-  // the densest of them a sheet in 128^3).
-  constexpr double kPerCell = 228.0, kPerVertex = 2500.0, kProgram = 90e6;
-  double bytes = kProgram;
-  if (p.smoke) bytes += kPerCell * p.smoke->resolution[0] * p.smoke->resolution[1] * p.smoke->resolution[2];
-  for (const ShellSection& shell : p.shells) {
-    bytes += kPerVertex * estimated_vertices(shell, p);
-    if (const MotionTrack* track = shell.motion.track.get())
-      for (const std::vector<Vec3>& x : track->x) bytes += double(x.size() * sizeof(Vec3));
+  // the densest of them a sheet in 128^3). A mesh of an obstacle is there as bytes, points and faces, twice.
+  constexpr double kPerCell = 228.0, kProgram = 90e6, kPerFileByte = 5.0;
+  std::vector<MemoryShare> shares{{"", kProgram, ""}};
+  if (p.smoke) {
+    const Int3& n = p.smoke->resolution;
+    shares.push_back({"/smoke/resolution", kPerCell * n[0] * n[1] * n[2], "lower the resolution"});
   }
-  return static_cast<std::uint64_t>(std::min(bytes, 1e18));
+  for (std::size_t n = 0; n < p.shells.size(); ++n) {
+    const std::string pointer = "/shells/" + std::to_string(n);
+    shares.push_back(mesh_memory(p.shells[n], pointer, p));
+    const MotionTrack* track = p.shells[n].motion.track.get();
+    if (!track) continue;
+    MemoryShare share{pointer + "/motion/file", 0.0, "record fewer frames, or a coarser sheet"};
+    for (const std::vector<Vec3>& x : track->x) share.bytes += double(x.size() * sizeof(Vec3));
+    shares.push_back(share);
+  }
+  for (std::size_t n = 0; n < p.obstacles.size(); ++n)
+    if (p.obstacles[n].kind == ObstacleKind::mesh)
+      shares.push_back({"/obstacles/" + std::to_string(n) + "/file",
+                        kPerFileByte * mesh_file_bytes(p.obstacles[n].file, p), "use a coarser mesh"});
+  return shares;
 }
 
 fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, const fluid::Walls& walls,

@@ -16,7 +16,8 @@ void check_world(const WorldParams& params);
 /// Vertices that a sheet will have, before it is built: those of a file from its size.
 double estimated_vertices(const ShellSection& shell, const WorldParams& params);
 
-std::uint64_t estimate_world_bytes(const WorldParams& params);
+/// See World::estimate_memory.
+std::vector<MemoryShare> world_memory(const WorldParams& params);
 
 /// Smoke and heat that the heat sources give to the gas during [time, time + dt], spread evenly over the cells
 /// of each region that are not inside an obstacle.

@@ -41,6 +41,13 @@ struct ShellView {
   const solid::ShellMesh* original = nullptr;  ///< as built: the same vertices, and the triangles lost since
 };
 
+/// Memory that one parameter of a scene asks for.
+struct MemoryShare {
+  std::string pointer;  ///< empty: the program itself
+  double bytes = 0.0;
+  std::string advice;  ///< how to ask for less
+};
+
 class World {
  public:
   /// Builds only the parts that the scene names. Throws Refusal with the pointer of the parameter at fault.
@@ -57,7 +64,8 @@ class World {
   [[nodiscard]] double time() const;
   [[nodiscard]] std::vector<std::string> models() const;  ///< shell, diffusion, smoke, burning, ...
   [[nodiscard]] std::vector<ShellView> shells() const;
-  [[nodiscard]] const fluid::SmokeState* smoke() const;  ///< null without smoke
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const;  ///< where they are now
+  [[nodiscard]] const fluid::SmokeState* smoke() const;          ///< null without smoke
   [[nodiscard]] const std::map<std::string, Ledger>& ledgers() const;
   /// Per-shell scalars of metrics.h5 (/shell/<name>/<quantity>).
   [[nodiscard]] std::map<std::string, std::map<std::string, double>> shell_metrics() const;
@@ -67,8 +75,8 @@ class World {
   void restored();
   [[nodiscard]] std::uint64_t state_hash();
 
-  /// Bytes that the world of these parameters will hold, before it is built.
-  static std::uint64_t estimate_bytes(const WorldParams& params);
+  /// What the world of these parameters will hold, before it is built.
+  static std::vector<MemoryShare> estimate_memory(const WorldParams& params);
 
  private:
   struct Impl;

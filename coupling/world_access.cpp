@@ -47,6 +47,10 @@ std::vector<ShellView> World::shells() const {
   return views;
 }
 
+const std::vector<Obstacle>& World::obstacles() const {
+  return impl_->obstacles;
+}
+
 std::map<std::string, std::map<std::string, double>> World::shell_metrics() const {
   std::map<std::string, std::map<std::string, double>> metrics;
   for (const Sheet& sheet : impl_->sheets) metrics[sheet.name] = sheet_metrics(sheet);
@@ -129,8 +133,8 @@ std::uint64_t World::state_hash() {
   return hash.digest();
 }
 
-std::uint64_t World::estimate_bytes(const WorldParams& params) {
-  return estimate_world_bytes(params);
+std::vector<MemoryShare> World::estimate_memory(const WorldParams& params) {
+  return world_memory(params);
 }
 
 }  // namespace wick::coupling

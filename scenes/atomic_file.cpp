@@ -94,10 +94,17 @@ bool sync_folder(const fs::path& folder) {
   return fd.valid() && (sync(fd.get()) || errno == EINVAL || errno == EROFS);
 }
 
-/// Writes, forces and verifies the temporary file; false with errno set where a step fails.
+/// Writes over what the file holds, cuts off the rest, forces and verifies it; false with errno set where a step
+/// fails.
 bool write_temporary(const fs::path& path, std::string_view bytes) {
-  Descriptor fd(open_file(path, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW));
-  return fd.valid() && write_all(fd.get(), bytes) && sync(fd.get()) && holds(fd.get(), bytes) && fd.close();
+  Descriptor fd(open_file(path, O_RDWR | O_CREAT | O_NOFOLLOW));
+  return fd.valid() && write_all(fd.get(), bytes) && ::ftruncate(fd.get(), static_cast<off_t>(bytes.size())) == 0 &&
+         sync(fd.get()) && holds(fd.get(), bytes) && fd.close();
+}
+
+bool write_and_rename(const fs::path& temporary, const fs::path& path, std::string_view bytes) {
+  return write_temporary(temporary, bytes) && ::rename(temporary.c_str(), path.c_str()) == 0 &&
+         sync_folder(path.parent_path());
 }
 
 }  // namespace
@@ -108,15 +115,28 @@ fs::path temporary_path(const fs::path& path) {
 
 void write_file(const fs::path& path, std::string_view bytes) {
   const fs::path temporary = temporary_path(path);
-  bool done = write_temporary(temporary, bytes);
-  if (done) done = ::rename(temporary.c_str(), path.c_str()) == 0 && sync_folder(path.parent_path());
-  if (done) return;
+  ::unlink(temporary.c_str());
+  if (write_and_rename(temporary, path, bytes)) return;
   const int error = errno;
   ::unlink(temporary.c_str());
   const bool forbidden = error == EISDIR || error == EACCES || error == EPERM || error == EROFS;
   throw Refusal(forbidden ? ExitCode::output_cannot_be_made : ExitCode::input_output, "",
                 fmt::format("cannot write {} of {} bytes ({}) free some space or choose another --out",
                             path.string(), bytes.size(), std::strerror(error)));
+}
+
+bool make_reserve(const fs::path& reserve, std::size_t bytes) {
+  // Zeros could be stored as a hole, which has no space.
+  if (write_temporary(reserve, std::string(bytes, '.'))) return true;
+  ::unlink(reserve.c_str());
+  return false;
+}
+
+void write_file_from(const fs::path& reserve, const fs::path& path, std::string_view bytes) {
+  std::error_code error;
+  if (fs::is_regular_file(reserve, error) && write_and_rename(reserve, path, bytes)) return;
+  ::unlink(reserve.c_str());
+  write_file(path, bytes);
 }
 
 Bytes read_file(const fs::path& path, std::uint64_t limit) {
@@ -133,6 +153,11 @@ Bytes read_file(const fs::path& path, std::uint64_t limit) {
   require(S_ISREG(kind.st_mode), "",
           fmt::format("cannot read {} (it is no file but a device or pipe)", path.string()),
           ExitCode::input_missing);
+  const auto require_size = [&](std::uint64_t size) {
+    require(size <= limit, "",
+            fmt::format("{} is larger than {} bytes (no valid file of this kind is)", path.string(), limit));
+  };
+  require_size(static_cast<std::uint64_t>(kind.st_size));
   Bytes bytes;
   std::array<char, 1 << 16> buffer;
   for (;;) {
@@ -141,8 +166,7 @@ Bytes read_file(const fs::path& path, std::uint64_t limit) {
     if (got < 0) throw missing(errno);
     if (got == 0) return bytes;
     bytes.append(buffer.data(), static_cast<std::size_t>(got));
-    require(bytes.size() <= limit, "",
-            fmt::format("{} is larger than {} bytes (no valid file of this kind is)", path.string(), limit));
+    require_size(bytes.size());
   }
 }
 
@@ -155,11 +179,11 @@ void make_folder(const fs::path& folder) {
                             error ? error.message() : "something else has that name"));
 }
 
-void remove_temporaries(const fs::path& folder) {
+void remove_temporaries(const fs::path& folder, FunctionRef<bool(const std::string& name)> ours) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (name.starts_with('.') && name.ends_with(".tmp")) {
+    if (name.starts_with('.') && name.ends_with(".tmp") && ours(name.substr(1, name.size() - 5))) {
       std::error_code ignored;
       fs::remove(it->path(), ignored);
     }

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 namespace wick::scenes {
@@ -22,13 +23,6 @@ struct Trailer {
   std::uint64_t hash;
 };
 static_assert(sizeof(Trailer) == 32 && magic.size() == sizeof Trailer::name);
-
-std::string below(const std::string& path, std::string_view name) {
-  return path + '/' + std::string(name);
-}
-std::string above(const std::string& path) {
-  return path.substr(0, path.rfind('/'));
-}
 
 template <class T>
 std::size_t first_bad(const void* data, std::size_t count) {
@@ -65,35 +59,33 @@ std::string only(const std::vector<std::string>& values) {
 
 }  // namespace
 
+void PathVisitor::begin_group(std::string_view name) {
+  path_ = below(name);
+}
+void PathVisitor::end_group() {
+  path_ = path_.substr(0, path_.rfind('/'));
+}
+std::string PathVisitor::below(std::string_view name) const {
+  return path_ + '/' + std::string(name);
+}
+
 void StateWriter::raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns,
                       const void* data, FunctionRef<void*(std::size_t)>) {
-  writer_.dataset(below(path_, name), type, rows, columns, data);
+  writer_.dataset(below(name), type, rows, columns, data);
 }
 void StateWriter::strings(std::string_view name, std::vector<std::string>& values) {
-  writer_.strings(below(path_, name), values);
-}
-void StateWriter::begin_group(std::string_view name) {
-  path_ = below(path_, name);
-}
-void StateWriter::end_group() {
-  path_ = above(path_);
+  writer_.strings(below(name), values);
 }
 
 void StateReader::raw(std::string_view name, ScalarType type, std::size_t, std::size_t columns, const void*,
                       FunctionRef<void*(std::size_t)> resize) {
-  const std::string path = below(path_, name);
+  const std::string path = below(name);
   const std::size_t rows = reader_.rows(path, type, columns);
   void* storage = resize(rows);
   if (rows * columns > 0) reader_.read(path, type, storage);
 }
 void StateReader::strings(std::string_view name, std::vector<std::string>& values) {
-  values = reader_.strings(below(path_, name));
-}
-void StateReader::begin_group(std::string_view name) {
-  path_ = below(path_, name);
-}
-void StateReader::end_group() {
-  path_ = above(path_);
+  values = reader_.strings(below(name));
 }
 
 void FiniteCheck::raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns,
@@ -106,13 +98,7 @@ void FiniteCheck::raw(std::string_view name, ScalarType type, std::size_t rows, 
   if (bad == count) return;
   const double value =
       type == ScalarType::f32 ? static_cast<const float*>(data)[bad] : static_cast<const double*>(data)[bad];
-  first_ = fmt::format("{}[{}] = {}", below(path_, name), bad, value);
-}
-void FiniteCheck::begin_group(std::string_view name) {
-  path_ = below(path_, name);
-}
-void FiniteCheck::end_group() {
-  path_ = above(path_);
+  first_ = fmt::format("{}[{}] = {}", below(name), bad, value);
 }
 
 Bytes make_checkpoint(const CheckpointHeader& header, FunctionRef<void(StateVisitor&)> visit_metrics,
@@ -151,6 +137,16 @@ void Checkpoint::read(FunctionRef<void(StateVisitor&)> visit_metrics,
   StateReader metrics(*reader_, "/metrics"), world(*reader_, "/world");
   visit_metrics(metrics);
   visit_world(world);
+}
+
+bool is_checkpoint(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  std::ifstream in(path, std::ios::binary);
+  Trailer trailer{};
+  in.seekg(-static_cast<std::streamoff>(sizeof trailer), std::ios::end);
+  in.read(reinterpret_cast<char*>(&trailer), sizeof trailer);
+  return in.good() && std::string_view(trailer.name, sizeof trailer.name) == magic;
 }
 
 std::string checkpoint_name(int frame) {

@@ -18,49 +18,55 @@
 
 namespace wick::scenes {
 
-/// Writes what it visits into groups below `root`.
-class StateWriter final : public StateVisitor {
+/// Knows the path of the group that it is in.
+class PathVisitor : public StateVisitor {
  public:
-  StateWriter(Hdf5Writer& writer, const std::string& root) : writer_(writer), path_(root) {}
+  void begin_group(std::string_view name) final;
+  void end_group() final;
+
+ protected:
+  explicit PathVisitor(std::string root) : path_(std::move(root)) {}
+  [[nodiscard]] std::string below(std::string_view name) const;
+
+ private:
+  std::string path_;
+};
+
+/// Writes what it visits into groups below `root`.
+class StateWriter final : public PathVisitor {
+ public:
+  StateWriter(Hdf5Writer& writer, const std::string& root) : PathVisitor(root), writer_(writer) {}
   void raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns, const void* data,
            FunctionRef<void*(std::size_t)> resize) override;
   void strings(std::string_view name, std::vector<std::string>& values) override;
-  void begin_group(std::string_view name) override;
-  void end_group() override;
 
  private:
   Hdf5Writer& writer_;
-  std::string path_;
 };
 
 /// Fills what it visits. Throws std::runtime_error where the file holds something else.
-class StateReader final : public StateVisitor {
+class StateReader final : public PathVisitor {
  public:
-  StateReader(const Hdf5Reader& reader, const std::string& root) : reader_(reader), path_(root) {}
+  StateReader(const Hdf5Reader& reader, const std::string& root) : PathVisitor(root), reader_(reader) {}
   void raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns, const void* data,
            FunctionRef<void*(std::size_t)> resize) override;
   void strings(std::string_view name, std::vector<std::string>& values) override;
-  void begin_group(std::string_view name) override;
-  void end_group() override;
 
  private:
   const Hdf5Reader& reader_;
-  std::string path_;
 };
 
 /// Looks for values that are not finite.
-class FiniteCheck final : public StateVisitor {
+class FiniteCheck final : public PathVisitor {
  public:
+  FiniteCheck() : PathVisitor("") {}
   void raw(std::string_view name, ScalarType type, std::size_t rows, std::size_t columns, const void* data,
            FunctionRef<void*(std::size_t)> resize) override;
   void strings(std::string_view, std::vector<std::string>&) override {}
-  void begin_group(std::string_view name) override;
-  void end_group() override;
   /// Path, index and value of the first one; empty where all are finite.
   [[nodiscard]] const std::string& first() const { return first_; }
 
  private:
-  std::string path_;
   std::string first_;
 };
 
@@ -90,6 +96,8 @@ class Checkpoint {
   CheckpointHeader header_;
 };
 
+/// Tells by its last bytes whether a file is a checkpoint, or was one before it was damaged.
+bool is_checkpoint(const std::filesystem::path& path);
 /// 0010.h5 for frame 10.
 std::string checkpoint_name(int frame);
 /// Frames that have a checkpoint in `folder`, newest first.

@@ -9,6 +9,7 @@
 #include "core/state.h"
 #include "scenes/atomic_file.h"
 #include "scenes/json_text.h"
+#include "scenes/machine.h"
 
 namespace wick::scenes {
 
@@ -76,14 +77,26 @@ Json json_of(const Scene& scene, Selection selection) {
   return writer.take();
 }
 
-/// Calls `visit` with each non-empty text whose key is `file`: the mesh and motion files of the scene.
-void for_each_file(Json& node, FunctionRef<void(Json& file)> visit) {
+/// Calls `visit` with each non-empty text whose key is `file`, the mesh and motion files of the scene, and with its
+/// pointer.
+void for_each_file(Json& node, const std::string& pointer,
+                   FunctionRef<void(Json& file, const std::string& pointer)> visit) {
   if (!node.is_structured()) return;
   for (auto& [key, value] : node.items()) {
+    const std::string here = pointer_to(pointer, key);
     if (key == "file" && value.is_string() && !value.get_ref<const std::string&>().empty())
-      visit(value);
+      visit(value, here);
     else
-      for_each_file(value, visit);
+      for_each_file(value, here, visit);
+  }
+}
+
+/// The content of a mesh or motion file; refusals name the parameter that named the file.
+Bytes read_input(const fs::path& path, const std::string& pointer) {
+  try {
+    return read_file(path, available_memory() / 2);
+  } catch (const Refusal& refusal) {
+    throw Refusal(refusal.code(), pointer, refusal.what());
   }
 }
 
@@ -101,7 +114,7 @@ Json parameters_json(FunctionRef<void(ParameterVisitor&)> describe) {
 
 std::string effective_file(const Scene& scene, const fs::path& folder) {
   Json json = effective_json(scene);
-  for_each_file(json, [&](Json& file) {
+  for_each_file(json, "", [&](Json& file, const std::string&) {
     const fs::path path = file.get<std::string>();
     if (path.is_absolute()) return;
     std::error_code error;
@@ -111,15 +124,27 @@ std::string effective_file(const Scene& scene, const fs::path& folder) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::vector<std::pair<fs::path, std::string>> input_files(const Scene& scene) {
+  std::vector<std::pair<fs::path, std::string>> files;
+  Json json = effective_json(scene);
+  for_each_file(json, "", [&](Json& file, const std::string& pointer) {
+    files.emplace_back(fs::path(scene.world.directory) / file.get<std::string>(), pointer);
+  });
+  return files;
+}
+
 std::string scene_identity(const Scene& scene) {
-  // Meshes and motions have been bounded by the memory when the scene was read.
-  constexpr std::uint64_t largest_file = 1ULL << 40;
   Json json = json_of(scene, Selection::fixed_on_resume);
-  for_each_file(json, [&](Json& file) {
-    const Bytes bytes = read_file(fs::path(scene.world.directory) / file.get<std::string>(), largest_file);
+  for_each_file(json, "", [&](Json& file, const std::string& pointer) {
+    const Bytes bytes = read_input(fs::path(scene.world.directory) / file.get<std::string>(), pointer);
     file = fmt::format("content {:016x}", hash_bytes(bytes.data(), bytes.size()));
   });
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string name_in_identity(const std::string& identity) {
+  const auto json = nlohmann::json::parse(identity, nullptr, false);
+  return json.is_object() && json.contains("name") && json["name"].is_string() ? json["name"] : "";
 }
 
 std::string identity_difference(const std::string& before, const std::string& now) {
@@ -128,7 +153,8 @@ std::string identity_difference(const std::string& before, const std::string& no
   if (old_scene == new_scene) return "";
   if (old_scene.is_discarded() || new_scene.is_discarded()) return "the whole scene";
   const auto patch = nlohmann::json::diff(new_scene, old_scene);
-  const std::string pointer = patch.at(0).at("path").get<std::string>();
+  std::string pointer = patch.at(0).at("path").get<std::string>();
+  if (pointer.ends_with("/-")) pointer.resize(pointer.size() - 2);  // an element more or less: the list is shown
   const auto shown = [&](const nlohmann::json& scene) {
     const nlohmann::json::json_pointer at(pointer);
     if (!scene.contains(at)) return std::string("absent");

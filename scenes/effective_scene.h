@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/function_ref.h"
 #include "scenes/scene.h"
@@ -19,9 +21,15 @@ nlohmann::ordered_json parameters_json(FunctionRef<void(ParameterVisitor&)> desc
 /// the file can be run from there.
 std::string effective_file(const Scene& scene, const std::filesystem::path& folder);
 
+/// The mesh and motion files that the scene names, each with the pointer of the parameter that names it.
+std::vector<std::pair<std::filesystem::path, std::string>> input_files(const Scene& scene);
+
 /// What makes two runs the same run: all parameters that may not change on resume, and the content of the
 /// mesh and motion files, as JSON text.
 std::string scene_identity(const Scene& scene);
+
+/// The name of the scene of that identity; empty where there is none.
+std::string name_in_identity(const std::string& identity);
 
 /// Names the first difference between two identities, for a message; empty where there is none.
 std::string identity_difference(const std::string& before, const std::string& now);

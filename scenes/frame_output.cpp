@@ -39,7 +39,7 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
       output.files.emplace_back(folder.motion_frame(scene.output, view.name, world.frame()),
                                 motion_frame(view, world.frame(), world.time()));
   if (scene.output.preview.write) {
-    const Picture picture = draw_preview(scene.output.preview, world.shells(), smoke,
+    const Picture picture = draw_preview(scene.output.preview, world.shells(), world.obstacles(), smoke,
                                          scene.world.smoke ? &*scene.world.smoke : nullptr);
     const std::vector<char> png = encode_png(picture);
     output.files.emplace_back(folder.preview(scene.output, world.frame()), Bytes(png.begin(), png.end()));

@@ -14,13 +14,13 @@ namespace {
 /// Whole numbers are stored as such.
 bool is_count(const std::string& path) {
   return path == "/frame" || path == "/substeps" || path == "/unconverged_solves" || path == "/lengthened_steps" ||
-         path == "/squeezed_steps" ||
-         path.ends_with("/iterations");
+         path == "/squeezed_steps" || path.ends_with("/iterations");
 }
 
 /// What a frame that does not name `path` has there.
 double filler(const std::string& path) {
-  const bool amount = path.starts_with("/timing/") || path.starts_with("/ledger/");
+  // A solver that did not run left nothing unsolved.
+  const bool amount = path.starts_with("/timing/") || path.starts_with("/ledger/") || path.starts_with("/solve/");
   return amount || is_count(path) ? 0.0 : std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -34,6 +34,12 @@ void Metrics::add(const Row& row, std::uint64_t state_hash) {
   }
   state_hash_.push_back(state_hash);
   for (auto& [path, column] : columns_) column.resize(rows(), filler(path));
+}
+
+void Metrics::set(int frame, const std::string& path, double value) {
+  std::vector<double>& column = columns_[path];
+  column.resize(rows(), filler(path));
+  column.at(static_cast<std::size_t>(frame) - 1) = value;
 }
 
 const std::vector<double>* Metrics::column(const std::string& path) const {
@@ -81,6 +87,7 @@ Metrics::Row metrics_row(const coupling::World& world, const coupling::FrameRepo
   row["/unconverged_solves"] = report.unconverged_solves;
   row["/squeezed_steps"] = report.squeezed_steps;
   row["/lengthened_steps"] = report.lengthened_steps;
+  for (const char* path : {output_timing, background_timing}) row[path] = 0.0;
   row["/memory/peak_rss_bytes"] = static_cast<double>(peak_memory());
   for (const auto& [stage, seconds] : report.seconds) row["/timing/" + stage] = seconds;
   for (const auto& [solver, solve] : report.solves) {

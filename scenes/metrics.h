@@ -10,13 +10,22 @@
 
 namespace wick::scenes {
 
+/// Seconds that the simulation waited for the outputs of a frame, and seconds that the writer's thread spent on
+/// them meanwhile. The row of a frame is made before its files are written, so it says what is known by then; later
+/// rows, and the file at the end of the run, complete it.
+inline constexpr const char* output_timing = "/timing/output";
+inline constexpr const char* background_timing = "/timing/output_background";
+
 class Metrics {
  public:
   using Row = std::map<std::string, double>;  ///< by path in the file, as in /timing/smoke
 
   /// Adds the row of one frame. A path seen for the first time is filled backwards, one that is missing is
-  /// filled: amounts, times and counts by 0, anything else by NaN.
+  /// filled: amounts, times, counts and residuals by 0, anything else by NaN.
   void add(const Row& row, std::uint64_t state_hash);
+
+  /// Replaces one value of the row of `frame`.
+  void set(int frame, const std::string& path, double value);
 
   [[nodiscard]] std::size_t rows() const { return state_hash_.size(); }
   [[nodiscard]] std::uint64_t last_hash() const { return state_hash_.empty() ? 0 : state_hash_.back(); }

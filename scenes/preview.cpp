@@ -8,49 +8,20 @@
 #include "core/parallel.h"
 #include "core/parameters.h"
 #include "core/require.h"
+#include "scenes/preview_canvas.h"
+#include "scenes/preview_obstacles.h"
 #include "scenes/sheet_color.h"
 
 namespace wick::scenes {
 
 namespace {
 
-const Vec3 kSun = Vec3(-0.4, -0.7, 0.9).normalized();  // direction to the light
 const Vec3 kSkyTop(0.30, 0.34, 0.40), kSkyBottom(0.62, 0.62, 0.60);
 const Vec3 kSmokeColor(0.75, 0.73, 0.70);
 
-struct Camera {
-  Vec3 eye, right, up, forward;
-  double focal;  ///< pixels per unit of tangent
-  int width, height;
-
-  explicit Camera(const PreviewParams& p) : eye(p.from), width(p.size[0]), height(p.size[1]) {
-    forward = (p.at - p.from).normalized();
-    right = forward.cross(Vec3::UnitZ());
-    // Looking straight down or up, any right will do.
-    right = right.norm() > 1e-6 ? right.normalized() : Vec3::UnitX();
-    up = right.cross(forward);
-    focal = 0.5 * height / std::tan(0.5 * p.view_angle * M_PI / 180.0);
-  }
-  /// x, y in pixels, z the distance along the view direction.
-  [[nodiscard]] Vec3 project(const Vec3& x) const {
-    const Vec3 d = x - eye;
-    const double depth = d.dot(forward);
-    return {0.5 * width + focal * d.dot(right) / depth, 0.5 * height - focal * d.dot(up) / depth, depth};
-  }
-  /// Ray through the middle of a pixel; its length is 1 along the view direction.
-  [[nodiscard]] Vec3 ray(int px, int py) const {
-    return forward + ((px + 0.5 - 0.5 * width) * right - (py + 0.5 - 0.5 * height) * up) / focal;
-  }
-};
-
-/// Colour and depth of what is opaque.
-struct Canvas {
-  std::vector<Vec3> color;
-  std::vector<double> depth;
-};
-
+/// Sheets are lit on both sides.
 double shade(const Vec3& normal) {
-  return 0.35 + 0.65 * std::abs(normal.dot(kSun));
+  return 0.35 + 0.65 * std::abs(normal.dot(sun));
 }
 
 /// Fills one triangle: barycentric colour, depth test on 1/z.
@@ -268,7 +239,8 @@ void describe(ParameterVisitor& v, PreviewParams& p) {
 }
 
 Picture draw_preview(const PreviewParams& p, const std::vector<coupling::ShellView>& shells,
-                     const fluid::SmokeState* smoke, const fluid::SmokeParams* smoke_params) {
+                     const std::vector<Obstacle>& obstacles, const fluid::SmokeState* smoke,
+                     const fluid::SmokeParams* smoke_params) {
   const Camera camera(p);
   const std::size_t pixels = std::size_t(camera.width) * camera.height;
   Canvas canvas{std::vector<Vec3>(pixels), std::vector<double>(pixels, INFINITY)};
@@ -277,6 +249,7 @@ Picture draw_preview(const PreviewParams& p, const std::vector<coupling::ShellVi
     canvas.color[n] = (1.0 - t) * kSkyTop + t * kSkyBottom;
   }
   for (const coupling::ShellView& view : shells) draw_sheet(camera, canvas, view);
+  for (const Obstacle& obstacle : obstacles) draw_obstacle(camera, canvas, obstacle);
   if (smoke) draw_gas(p, camera, canvas, *smoke, *smoke_params);
   Picture picture{camera.width, camera.height, std::vector<std::uint8_t>(3 * pixels)};
   for (std::size_t n = 0; n < pixels; ++n)

@@ -50,6 +50,10 @@ Rows table_rows(const std::map<std::string, double>& stages) {
 
 }  // namespace
 
+void say(std::FILE* stream, const std::string& text) {
+  std::fputs(text.c_str(), stream);
+}
+
 Progress::Progress(int first, int last, bool quiet)
     : first_(first), last_(last), quiet_(quiet), bar_(!quiet && isatty(STDERR_FILENO) == 1) {}
 
@@ -64,38 +68,46 @@ void Progress::frame(const coupling::FrameReport& report, double seconds) {
       fmt::format("frame {}/{}  {} substeps{}  {:.2f} s/frame  {} left", report.frame, last_, report.substeps,
                   solver_text(report), seconds, seconds_text(mean_seconds_ * (last_ - report.frame)));
   if (!bar_) {
-    fmt::print(stderr, "{}\n", line);
+    say(stderr, line + "\n");
     return;
   }
   const int span = std::max(last_ - first_, 1);
   const int filled = std::clamp(bar_width * (report.frame - first_) / span, 0, bar_width);
-  fmt::print(stderr, "\r\x1b[K[{:=<{}}{: <{}}] {}", "", filled, "", bar_width - filled, line);
+  say(stderr, fmt::format("\r\x1b[K[{:=<{}}{: <{}}] {}", "", filled, "", bar_width - filled, line));
   std::fflush(stderr);
   bar_shown_ = true;
 }
 
 void Progress::clear_bar() {
-  if (bar_shown_) fmt::print(stderr, "\n");
+  if (bar_shown_) say(stderr, "\n");
   bar_shown_ = false;
 }
 
 void Progress::note(const std::string& text) {
   if (quiet_) return;
   clear_bar();
-  fmt::print(stderr, "{}\n", text);
+  say(stderr, text + "\n");
 }
 
-void Progress::summary(double wall_seconds) {
+void Progress::summary(double wall_seconds, double background_seconds) {
   clear_bar();
   if (quiet_ || frames_ == 0) return;
-  fmt::print("{:<24}{:>12}{:>12}{:>9}\n", "stage", "seconds", "s/frame", "share");
+  const auto line = [](const std::string& name, const std::string& a, const std::string& b, const std::string& c) {
+    say(stdout, fmt::format("{:<24}{:>12}{:>12}{:>10}\n", name, a, b, c));
+  };
+  line("stage (of which)", "seconds ", "s/frame ", "share ");
   const auto row = [&](const std::string& name, double seconds) {
-    fmt::print("{:<24}{:>12.3f}{:>12.4f}{:>8.1f}%\n", name, seconds, seconds / frames_,
-               wall_seconds > 0.0 ? 100.0 * seconds / wall_seconds : 0.0);
+    // A part is in its whole already: in brackets it is not added to it a second time.
+    const bool part = name.starts_with(' ');
+    const auto cell = [&](const std::string& number) { return part ? "(" + number + ")" : number + " "; };
+    const double share = wall_seconds > 0.0 ? 100.0 * seconds / wall_seconds : 0.0;
+    line(name, cell(fmt::format("{:.3f}", seconds)), cell(fmt::format("{:.4f}", seconds / frames_)),
+         cell(fmt::format("{:.1f}%", share)));
   };
   for (const auto& [name, seconds] : table_rows(stages_)) row(name, seconds);
   row("all steps", step_seconds_);
   row("whole run", wall_seconds);
+  row("writing, meanwhile", background_seconds);
 }
 
 }  // namespace wick::scenes

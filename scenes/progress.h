@@ -1,10 +1,14 @@
 #pragma once
 /// What a person sees of a run: a bar on a terminal, plain lines elsewhere, a table of stages at the end.
+#include <cstdio>
 #include <string>
 
 #include "coupling/world.h"
 
 namespace wick::scenes {
+
+/// Prints a text where somebody may read it. A run outlives its terminal: that it cannot be printed is no error.
+void say(std::FILE* stream, const std::string& text);
 
 class Progress {
  public:
@@ -13,8 +17,8 @@ class Progress {
   void frame(const coupling::FrameReport& report, double seconds);
   /// A line of its own, above the bar.
   void note(const std::string& text);
-  /// Stage, seconds, share; nothing when quiet.
-  void summary(double wall_seconds);
+  /// Stage, seconds, share, and what the writer's thread spent meanwhile; nothing when quiet.
+  void summary(double wall_seconds, double background_seconds);
 
  private:
   void clear_bar();

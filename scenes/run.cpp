@@ -6,19 +6,17 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "core/parallel.h"
 #include "coupling/world.h"
-#include "scenes/background_writer.h"
 #include "scenes/checkpoint.h"
 #include "scenes/disk_estimate.h"
 #include "scenes/effective_scene.h"
-#include "scenes/frame_output.h"
+#include "scenes/folder_owner.h"
 #include "scenes/machine.h"
-#include "scenes/manifest.h"
 #include "scenes/metrics.h"
 #include "scenes/motion_output.h"
+#include "scenes/output_queue.h"
 #include "scenes/progress.h"
 #include "scenes/run_folder.h"
 #include "scenes/run_record.h"
@@ -51,6 +49,7 @@ class Run {
         folder_{output_folder(options, scene_)},
         identity_(scene_identity(scene_)),
         world_(std::make_unique<coupling::World>(scene_.world)) {
+    record_.scene = scene_.name;
     record_.threads = thread_count();
     record_.scene_sha256 = sha256(identity_);
     record_.models = world_->models();
@@ -61,14 +60,15 @@ class Run {
     make_folder(folder_.root);
     const FolderLock lock(folder_.root);
     folder_.require_free_names();
+    const std::string text = effective_file(scene_, folder_.root);
+    require_own_files(folder_, {scene_, options_.scene, text, options_.restart});
+    record_.scene_file_sha256 = sha256(text);
     folder_.tidy();
-    if (options_.restart) folder_.clear();
+    if (options_.restart) folder_.clear(scene_);
     const bool resumed = resume();
-    if (resumed && world_->frame() >= scene_.frames) return already_complete();
-    folder_.make(scene_);
-    write_file(folder_.scene(), effective_file(scene_, folder_.root));
     try {
-      write_record("running");
+      if (resumed && world_->frame() >= scene_.frames) return already_complete();
+      take_folder(text);
       if (!resumed) write_frame(first_report(), true);
       return compute();
     } catch (const std::exception& error) {
@@ -78,12 +78,23 @@ class Run {
   }
 
  private:
+  /// Makes the folder the run's own. The record comes first and names the effective scene that follows: killed at
+  /// any moment, a run leaves nothing that the next one would take for somebody else's.
+  void take_folder(const std::string& scene_text) {
+    const std::optional<RecordedRun> before = read_run_record(folder_.record());
+    std::error_code ignored;  // write_file replaces what cannot be removed, or says why not
+    if (before && before->scene_file_sha256 != record_.scene_file_sha256) fs::remove(folder_.scene(), ignored);
+    keeper_.begin(record_);
+    folder_.make(scene_);
+    write_file(folder_.scene(), scene_text);
+  }
+
   /// Goes on from the newest checkpoint that is whole, or from one before the first output that is damaged; false
   /// where there is no checkpoint.
   bool resume() {
     const std::vector<int> frames = checkpoint_frames(folder_.checkpoints());
     if (!resume_from(frames)) {
-      require_no_other_record();
+      require_no_other_run(folder_, record_.scene_sha256);
       return false;
     }
     const std::vector<DamagedOutput> damaged = damaged_outputs();
@@ -106,21 +117,21 @@ class Run {
       std::erase_if(last, [&](int frame) { return frame > reached; });
       if (!resume_from(last)) throw std::runtime_error("a checkpoint that could be read cannot be read again");
     }
-    manifest_.keep_up_to(world_->frame());
+    outputs_.manifest.keep_up_to(world_->frame());
     return true;
   }
 
   /// What the manifest tells of the frames before the checkpoint; nothing where there is no manifest to tell.
   std::vector<DamagedOutput> damaged_outputs() {
     try {
-      manifest_ = Manifest::read(folder_.manifest());
+      outputs_.manifest = Manifest::read(folder_.manifest());
     } catch (const std::exception& error) {
       warn(fmt::format("{} cannot be used ({}): earlier outputs are not verified", folder_.manifest().string(),
                        error.what()));
       return {};
     }
-    manifest_.keep_up_to(world_->frame());
-    return manifest_.damaged(folder_.root, [] { return stop_requested(); });
+    outputs_.manifest.keep_up_to(world_->frame());
+    return outputs_.manifest.damaged(folder_.root, [] { return stop_requested(); });
   }
 
   bool resume_from(const std::vector<int>& frames) {
@@ -157,8 +168,8 @@ class Run {
   void require_same_run(const CheckpointHeader& header) const {
     const std::string difference = identity_difference(header.identity, identity_);
     require(difference.empty(), "",
-            fmt::format("{} holds another run ({}) choose another --out, or --restart to replace it",
-                        folder_.root.string(), difference),
+            fmt::format("{} holds another run, of {} ({}) choose another --out, or --restart to replace it",
+                        folder_.root.string(), name_in_identity(header.identity), difference),
             ExitCode::output_cannot_be_made);
     require(
         header.version == version, "",
@@ -181,38 +192,22 @@ class Run {
       for (const double count : *unconverged) record_.unconverged_solves += static_cast<long long>(count);
   }
 
-  /// Without a checkpoint, the record of the folder still tells whose it is.
-  void require_no_other_record() const {
-    if (!fs::exists(folder_.record())) return;
-    const Bytes bytes = read_file(folder_.record(), 16 << 20);
-    const auto json = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    if (!json.is_object()) return;
-    require(
-        json.value("scene_sha256", record_.scene_sha256) == record_.scene_sha256, "",
-        fmt::format("{} holds another run (its run.json names another scene) choose another --out, or --restart to "
-                    "replace it",
-                    folder_.root.string()),
-        ExitCode::output_cannot_be_made);
-  }
-
   ExitCode already_complete() {
     if (!options_.quiet)
-      fmt::print(
-          "{} is complete: it has {} frames and {} were asked for (--frames for more, --restart to begin anew)\n",
-          folder_.root.string(), world_->frame(), scene_.frames);
+      say(stdout,
+          fmt::format(
+              "{} is complete: it has {} frames and {} were asked for (--frames for more, --restart to begin "
+              "anew)\n",
+              folder_.root.string(), world_->frame(), scene_.frames));
     // A run killed between its last checkpoint and its record left the record behind; metrics may have been lost
     // since.
     write_file(folder_.metrics(), metrics_.file());
     write_motion();
-    if (!said_done() || !record_.damaged_outputs.empty()) write_record("done");
+    const std::optional<RecordedRun> recorded = read_run_record(folder_.record());
+    if (recorded) record_.scene_file_sha256 = recorded->scene_file_sha256;
+    const bool said_done = recorded && recorded->outcome == "done";
+    if (!said_done || !record_.damaged_outputs.empty()) keeper_.write(record_, "done");
     return ExitCode::done;
-  }
-
-  [[nodiscard]] bool said_done() const {
-    if (!fs::exists(folder_.record())) return false;
-    const Bytes bytes = read_file(folder_.record(), 16 << 20);
-    const auto json = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    return json.is_object() && json.value("outcome", "") == "done";
   }
 
   [[nodiscard]] coupling::FrameReport first_report() const {
@@ -242,6 +237,18 @@ class Run {
     const bool done = world_->frame() >= scene_.frames;
     finish_writing();
     if (done) write_motion();
+    warn_of_rare_events();
+    keeper_.write(record_, done ? "done" : "checkpointed");
+    progress.summary(keeper_.seconds(), outputs_.background_seconds());
+    if (!options_.quiet)
+      say(stdout,
+          fmt::format("{}: {} frames in {}, state {}, last checkpoint in {:.2f} s{}\n", folder_.root.string(),
+                      world_->frame(), seconds_text(keeper_.seconds()), record_.state_hash, record_.checkpoint_s,
+                      done ? "" : "; stopped on request, the same command goes on"));
+    return done ? ExitCode::done : ExitCode::checkpointed;
+  }
+
+  void warn_of_rare_events() {
     if (record_.unconverged_solves > 0)
       warn(fmt::format(
           "{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)",
@@ -256,26 +263,25 @@ class Run {
           fmt::format("{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten "
                       "the frame",
                       lengthened_steps_));
-    write_record(done ? "done" : "checkpointed");
-    progress.summary(seconds_since(start_));
-    if (!options_.quiet)
-      fmt::print("{}: {} frames in {}, state {}, last checkpoint in {:.2f} s{}\n", folder_.root.string(),
-                 world_->frame(), seconds_text(seconds_since(start_)), record_.state_hash, record_.checkpoint_s,
-                 done ? "" : "; stopped on request, the same command goes on");
-    return done ? ExitCode::done : ExitCode::checkpointed;
   }
 
   /// Checks the state, then hands everything that the frame writes to the writer's thread.
   void write_frame(const coupling::FrameReport& report, bool first) {
+    const auto start = Clock::now();
     require_finite();
     const std::uint64_t hash = world_->state_hash();
     metrics_.add(metrics_row(*world_, report), hash);
     FrameOutput output = gather_outputs(*world_, scene_, folder_, record_.scene_sha256);
+    outputs_.note_times(metrics_);
+    metrics_.set(output.frame, output_timing, seconds_since(start));
     output.metrics = metrics_.file();
     const int frame = world_->frame(), every = scene_.output.checkpoint.every;
     const bool last = frame >= scene_.frames || stop_requested();
     if (first || last || (every > 0 && frame % every == 0) || take_checkpoint_request()) add_checkpoint(output);
-    submit(std::move(output));
+    outputs_.submit(std::move(output));
+    computed_ = true;
+    output_seconds_ = seconds_since(start);
+    metrics_.set(frame, output_timing, output_seconds_);
     record_.frames = frame;
     record_.state_hash = hex(hash);
     record_.unconverged_solves += report.unconverged_solves;
@@ -299,25 +305,24 @@ class Run {
     FrameOutput output;
     output.frame = world_->frame();
     add_checkpoint(output);
-    submit(std::move(output));
-  }
-
-  void submit(FrameOutput output) {
-    writer_.submit([this, output = std::make_shared<FrameOutput>(std::move(output))] {
-      const double seconds = write_outputs(*output, scene_.output, folder_, manifest_);
-      if (!output->checkpoint.empty()) record_.checkpoint_s = output->checkpoint_seconds + seconds;
-    });
+    outputs_.submit(std::move(output));
   }
 
   /// Waits for the writer; a stop that came after the last frame was handed over still gets its checkpoint.
   void finish_writing() {
+    const auto start = Clock::now();
     if (last_checkpoint_ != world_->time()) write_checkpoint();
-    writer_.finish();
+    outputs_.finish();
+    record_.checkpoint_s = outputs_.checkpoint_seconds();
+    outputs_.note_times(metrics_);
+    output_seconds_ += seconds_since(start);
+    if (computed_) metrics_.set(world_->frame(), output_timing, output_seconds_);
+    write_file(folder_.metrics(), metrics_.file());
   }
 
   /// Joins what the frames recorded of the movement, once the writer's thread is done.
   void write_motion() {
-    const std::vector<DamagedOutput> missing = join_motion(*world_, scene_, folder_, manifest_);
+    const std::vector<DamagedOutput> missing = join_motion(*world_, scene_, folder_, outputs_.manifest);
     if (!missing.empty()) warn(fmt::format("recorded motion has gaps: {}", summary_of(missing)));
   }
 
@@ -334,28 +339,18 @@ class Run {
 
   void warn(const std::string& text) {
     record_.warnings.push_back(text);
-    if (!options_.quiet) fmt::print(stderr, "wick: warning: {}\n", text);
+    if (!options_.quiet) say(stderr, fmt::format("wick: warning: {}\n", text));
   }
 
-  void write_record(const std::string& outcome) {
-    record_.outcome = outcome;
-    record_.wall_s = seconds_since(start_);
-    write_file(folder_.record(), run_record_text(record_));
-  }
-
-  /// Leaves the reason behind, as far as the disk still takes it.
+  /// Leaves the reason behind.
   void fail(const std::exception& error) {
     try {
-      writer_.finish();
+      outputs_.finish();
     } catch (const std::exception&) {
       // The error that is being reported already, or one that follows from it.
     }
-    try {
-      record_.reason = error.what();
-      write_record("failed");
-    } catch (const std::exception&) {
-      // The caller reports the first error; a record that cannot be written keeps saying "running".
-    }
+    record_.checkpoint_s = outputs_.checkpoint_seconds();
+    keeper_.fail(record_, error.what());
   }
 
   const RunOptions& options_;
@@ -365,12 +360,13 @@ class Run {
   std::unique_ptr<coupling::World> world_;
   Metrics metrics_;
   RunRecord record_;
-  Clock::time_point start_ = Clock::now();
-  Manifest manifest_;            ///< belongs to the writer's thread once frames are computed
+  RecordKeeper keeper_{folder_};
+  bool computed_ = false;        ///< a frame, by this process
+  double output_seconds_ = 0.0;  ///< that the simulation waited for the outputs of the last frame
   double last_checkpoint_ = -1;  ///< simulated time of the state that was saved last [s]
   long long lengthened_steps_ = 0;
   long long squeezed_steps_ = 0;
-  BackgroundWriter writer_{1};
+  OutputQueue outputs_{folder_, scene_.output};
 };
 
 }  // namespace
@@ -385,18 +381,8 @@ Scene load_scene(const RunOptions& options) {
   return scene;
 }
 
-/// A run writes the effective scene into its folder: that must not be the file that the user wrote.
-void require_scene_stays(const RunOptions& options, const Scene& scene) {
-  const RunFolder folder{options.out.empty() ? fs::path("out") / scene.name : fs::path(options.out)};
-  std::error_code error;
-  if (fs::equivalent(folder.scene(), options.scene, error))
-    throw Refusal(ExitCode::output_cannot_be_made, "",
-                  "--out is the folder of the scene file, which the effective scene would replace; choose another");
-}
-
 ExitCode run_scene(const RunOptions& options) {
   Scene scene = load_scene(options);
-  require_scene_stays(options, scene);
   require_memory(scene);
   watch_signals();
   std::optional<ThreadLimit> limit;

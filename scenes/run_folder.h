@@ -2,6 +2,7 @@
 /// The output folder of a run: its paths, and the lock that keeps a second run out.
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "scenes/scene.h"
 
@@ -42,12 +43,24 @@ struct RunFolder {
   [[nodiscard]] std::filesystem::path motion_frame(const OutputParams& output, const std::string& shell,
                                                    int frame) const;
 
+  /// Those that hold the files of single frames, and of recorded motion.
+  [[nodiscard]] std::vector<std::filesystem::path> frame_folders() const;
+  [[nodiscard]] std::filesystem::path reserve() const { return root / ".run.json.reserve"; }  ///< for the record
+
+  /// Tells whether a run of this scene writes `name`, a path below the folder, for one of its frames.
+  [[nodiscard]] bool writes(const Scene& of, const std::filesystem::path& name) const;
+  /// The frames that the manifest lists; none where it cannot be read.
+  [[nodiscard]] std::vector<std::filesystem::path> listed_frames() const;
+  /// What is there of the names that a run of this scene writes for its frames.
+  [[nodiscard]] std::vector<std::filesystem::path> frames_of(const Scene& of) const;
+
   /// Throws Refusal (output_cannot_be_made) where a folder has the name of a file that every run writes.
   void require_free_names() const;
   /// Removes half-made files of a killed run.
   void tidy() const;
-  /// Removes every frame, checkpoint and record of an earlier run; other files stay.
-  void clear() const;
+  /// Removes checkpoints and records of an earlier run, the frames that its manifest lists, and those that a run of
+  /// `next` will replace (all that can be told where the manifest is damaged); other files stay.
+  void clear(const Scene& next) const;
   /// Makes the folders that `scene` writes into.
   void make(const Scene& scene) const;
 };

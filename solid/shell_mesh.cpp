@@ -197,6 +197,34 @@ void derive_topology(ShellMesh& mesh) {
   find_components(mesh);
 }
 
+/// Refuses a vertex where parts meet that share no edge there: there is no way round it from one to the other, so
+/// it has no normal and no hinge holds the parts together. Corners of triangles are joined across the hinges at
+/// their vertex; each vertex must be left with one set of corners.
+void require_one_fan(const ShellMesh& mesh) {
+  std::vector<std::int32_t> parent(3 * mesh.triangle_count());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](std::int32_t c) {
+    while (parent[c] != c) c = parent[c] = parent[parent[c]];
+    return c;
+  };
+  const auto corner = [&](std::int32_t triangle, std::int32_t vertex) {
+    const Int3& v = mesh.triangles[triangle];
+    return 3 * triangle + (v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2);
+  };
+  for (const Hinge& hinge : mesh.hinges)
+    for (const std::int32_t end : {hinge.vertex[0], hinge.vertex[1]})
+      parent[root(corner(hinge.triangle[0], end))] = root(corner(hinge.triangle[1], end));
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+    const auto vertex = static_cast<std::int32_t>(i);
+    const std::int32_t first = mesh.incident_offset[i], end = mesh.incident_offset[i + 1];
+    for (std::int32_t k = first + 1; k < end; ++k)
+      require(root(corner(mesh.incident[k], vertex)) == root(corner(mesh.incident[first], vertex)), "",
+              "vertex " + std::to_string(i) + " (counted from 0) joins triangles " +
+                  std::to_string(mesh.incident[first]) + " and " + std::to_string(mesh.incident[k]) +
+                  " at a point alone (parts of a sheet must share edges) give each part a vertex of its own");
+  }
+}
+
 }  // namespace
 
 ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::vector<Int3> triangles) {
@@ -214,6 +242,7 @@ ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::ve
   mesh.rest_area.resize(mesh.triangle_count());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) lay_flat(mesh, t);
   derive_topology(mesh);
+  require_one_fan(mesh);
   return mesh;
 }
 

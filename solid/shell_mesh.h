@@ -38,11 +38,12 @@ struct ShellMesh {
 /// Builds all derived data. Without material coordinates each triangle is laid flat in a frame of its own
 /// whose first axis does not depend on the order of its vertices (the projection of the world axis that the
 /// triangle sees best), so that C is invariant under cyclic relabelling.
-/// Throws Refusal (scene_invalid) naming the first bad triangle: index out of range, NaN, repeated vertex, zero
-/// area, edge with three triangles, orientations that disagree.
+/// Throws Refusal (scene_invalid) naming the first bad triangle or vertex: index out of range, NaN, repeated
+/// vertex, zero area, edge with three triangles, orientations that disagree, parts that meet in a vertex alone.
 ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::vector<Int3> triangles);
 
-/// The same sheet without the triangles where keep[t] == 0; vertex numbers stay, orphans belong to no triangle.
+/// The same sheet without the triangles where keep[t] == 0; vertex numbers stay, orphans belong to no triangle, and
+/// what is left may meet in a vertex alone.
 ShellMesh without_triangles(const ShellMesh& mesh, const std::vector<std::uint8_t>& keep);
 
 /// Area-weighted vertex normals of positions x (V), zero for orphans.

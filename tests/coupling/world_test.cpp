@@ -171,6 +171,16 @@ WorldParams bag_world(fluid::Advection advection) {
   return world;
 }
 
+/// Runs 500 steps, in which smoke comes into the bag and none may leave it.
+void expect_no_leak(const WorldParams& params) {
+  World world(params);
+  int steps = 0;
+  while (steps < 500) steps += world.step(1.0 / 24).substeps;
+  const double total = world.ledgers().at("smoke").stocks().at("grid");
+  EXPECT_GT(total, 1e-6);
+  EXPECT_LT(smoke_outside(world, *params.smoke), 1e-12 * total);
+}
+
 TEST(World, CarriedBagLeaksNothing) {
   for (const auto advection : {fluid::Advection::conservative, fluid::Advection::maccormack}) {
     WorldParams params = bag_world(advection);
@@ -179,12 +189,7 @@ TEST(World, CarriedBagLeaksNothing) {
         {.point = Vec3(0.5, 0.5, 0.5), .radius = 0.5, .velocity = Vec3(0.11, 0.07, 0.05), .stop_time = 2.0});
     params.heat_sources[0].velocity = Vec3(0.11, 0.07, 0.05);
     params.heat_sources[0].stop = 0.5;
-    World world(params);
-    int steps = 0;
-    while (steps < 500) steps += world.step(1.0 / 24).substeps;
-    const double total = world.ledgers().at("smoke").stocks().at("grid");
-    EXPECT_GT(total, 1e-6);
-    EXPECT_LT(smoke_outside(world, *params.smoke), 1e-12 * total);
+    expect_no_leak(params);
   }
 }
 
@@ -194,12 +199,7 @@ TEST(World, FreeBagThatFallsAndBucklesLeaksNothing) {
   params.shells[0].velocity = Vec3(0.2, 0.1, 0.0);
   params.heat_sources[0].stop = 0.3;  // before the bag has fallen so far that the source is outside
   params.obstacles.push_back({.name = "floor", .kind = ObstacleKind::plane, .center = Vec3(0, 0, 0.1)});
-  World world(params);
-  int steps = 0;
-  while (steps < 500) steps += world.step(1.0 / 24).substeps;
-  const double total = world.ledgers().at("smoke").stocks().at("grid");
-  EXPECT_GT(total, 1e-6);
-  EXPECT_LT(smoke_outside(world, *params.smoke), 1e-12 * total);
+  expect_no_leak(params);
 }
 
 TEST(World, SimultaneousSolveKeepsTheMomentumOfGasAndSheet) {
@@ -272,8 +272,8 @@ TEST(World, RefusesWhatDoesNotFitTogether) {
   params.heat.reference_temperature = 200;
   EXPECT_EQ(pointer_of(params), "/heat/reference_temperature");
   params = burning_world();
-  params.shells[0].name = "../x";
-  EXPECT_EQ(pointer_of(params), "/shells/0/name");
+  params.shells.push_back(params.shells[0]);
+  EXPECT_EQ(pointer_of(params), "/shells/1/name");
   params = burning_world();
   params.shells[0].pins[0] = {.vertices = {1000000}};
   EXPECT_EQ(pointer_of(params), "/shells/0/pins/0/vertices");

@@ -125,8 +125,23 @@ TEST(AtomicFile, RemovesWhatAKilledRunLeft) {
   const TemporaryFolder folder;
   test::spit(temporary_path(folder / "a"), "half");
   test::spit(folder / "mine.tmp", "kept");
-  remove_temporaries(folder.path());
-  EXPECT_EQ(test::files_below(folder.path()), std::vector<std::string>{"mine.tmp"});
+  test::spit(folder / ".b.tmp", "kept");
+  remove_temporaries(folder.path(), [](const std::string& name) { return name == "a"; });
+  std::vector<std::string> left = test::files_below(folder.path());
+  std::sort(left.begin(), left.end());
+  EXPECT_EQ(left, (std::vector<std::string>{".b.tmp", "mine.tmp"}));
+}
+
+TEST(AtomicFile, WritesFromAReserve) {
+  const TemporaryFolder folder;
+  write_file(folder / "a", "before");
+  ASSERT_TRUE(make_reserve(folder / "reserve", 100));
+  EXPECT_EQ(fs::file_size(folder / "reserve"), 100U);
+  write_file_from(folder / "reserve", folder / "a", "after");
+  EXPECT_EQ(test::slurp(folder / "a"), "after");
+  EXPECT_EQ(test::files_below(folder.path()), std::vector<std::string>{"a"}) << "the reserve has become the file";
+  write_file_from(folder / "reserve", folder / "a", "without one");
+  EXPECT_EQ(test::slurp(folder / "a"), "without one");
 }
 
 }  // namespace

@@ -137,12 +137,27 @@ TEST_F(HostileInput, MeshesThatAreNoSurface) {
   expect_mesh(ply(square, "4", "3 0 1 -1\n", "1"), {65}, "negative index");
   expect_mesh(ply(square, "4", "3 0 1 1\n", "1"), {65}, "one vertex twice");
   expect_mesh(ply(square + "0 0 1\n", "5", two + "3 0 2 4\n", "3"), {65}, "three triangles at one edge");
+  expect_mesh(ply(square + "2 2 0\n1 2 0\n", "6", two + "3 2 4 5\n", "3"), {65}, "two parts that meet in a vertex");
+  EXPECT_NE(run().err.find("/shells/0/mesh/file: vertex 2 "), std::string::npos);
   expect_mesh(ply(square, "4000000000", two, "2"), {65}, "too many vertices");
   expect_mesh(ply(square, "4", two, "1000000000000000000"), {65}, "too many faces");
   expect_mesh("v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n", {65}, "nan in OBJ", "m.obj");
   expect_mesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", {65}, "index in OBJ", "m.obj");
   expect_mesh("", {65}, "empty OBJ", "m.obj");
   expect_mesh("solid", {65}, "unknown format", "m.stl");
+}
+
+/// 4 TB of nothing take no disk; read, they would take all of the memory.
+TEST_F(HostileInput, MeshesThatAreTooLarge) {
+  spit(folder_ / "m.obj", "v 0 0 0\n");
+  fs::resize_file(folder_ / "m.obj", std::uintmax_t{4} << 40);
+  use_mesh("m.obj");
+  expect(run(), {77}, "of a sheet");
+  EXPECT_NE(run().err.find("/shells/0/mesh/file: "), std::string::npos);
+  spit(folder_ / "s.json",
+       R"({"smoke": {"resolution": [8, 8, 8]}, "obstacles": [{"kind": "mesh", "file": "m.obj"}]})");
+  expect(run(), {77}, "of an obstacle");
+  EXPECT_NE(run().err.find("/obstacles/0/file: "), std::string::npos);
 }
 
 TEST_F(HostileInput, BinaryMeshesWithFlippedBytes) {

@@ -1,5 +1,7 @@
 /// A run that is stopped, killed, starved of disk or damaged goes on to the state that an undisturbed one reaches.
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <chrono>
 #include <csignal>
@@ -238,6 +240,33 @@ TEST_F(Interruption, SaysThatTheDiskIsFull) {
   for (const std::string& file : files_below(folder_ / "a")) EXPECT_FALSE(file.ends_with(".tmp")) << file;
   ASSERT_EQ(run("a"), 0);
   expect_same_outputs("whole", "a");
+}
+
+/// On a real disk that is full not even a record fits: its space was set aside.
+TEST_F(Interruption, LeavesATruthfulRecordOnAFullDisk) {
+  fs::create_directories(folder_ / "disk");
+  constexpr int skipped = 97;
+  // The disk is seen by the program alone, and whatever it frees there is filled at once by somebody else.
+  const std::string script =
+      "mount -t tmpfs -o size=3m none disk || exit 97; \"$0\" run small.json --out disk/a --frames 4000 --quiet & "
+      "run=$!; while [ ! -e disk/a/meshes/paper.0002.ply ]; do sleep 0.01; done; "
+      "while kill -0 $run; do cat /dev/zero >> disk/fill; done 2> /dev/null; wait $run; code=$?; "
+      "cp disk/a/run.json record.json; ls -A disk/a > left; exit $code";
+  Program program(
+      folder_, {"-c", script, WICK_PROGRAM},
+      [] {
+        if (::unshare(CLONE_NEWNS) != 0 || ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0)
+          ::_exit(skipped);
+      },
+      "/bin/sh");
+  const int code = program.wait();
+  if (code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
+  EXPECT_EQ(code, 74) << program.err();
+  EXPECT_NE(program.err().find("(No space left on device)"), std::string::npos) << program.err();
+  const nlohmann::json record = nlohmann::json::parse(slurp(folder_ / "record.json"));
+  EXPECT_EQ(record["outcome"], "failed");
+  EXPECT_NE(record["reason"].get<std::string>().find("No space left"), std::string::npos);
+  EXPECT_EQ(slurp(folder_ / "left").find("reserve"), std::string::npos) << "the space is given back";
 }
 
 }  // namespace

@@ -36,9 +36,19 @@ TEST(Metrics, FillsColumnsThatComeLateOrGo) {
               2);
   EXPECT_EQ((*metrics.column("/ledger/heat/out"))[0], 0.0);
   EXPECT_EQ((*metrics.column("/solve/p/iterations"))[0], 0.0);
-  EXPECT_TRUE(std::isnan((*metrics.column("/solve/p/residual"))[0]));
+  EXPECT_EQ((*metrics.column("/solve/p/residual"))[0], 0.0) << "no solve, nothing left unsolved";
   EXPECT_TRUE(std::isnan((*metrics.column("/shell/a/area"))[1]));
   for (const auto& [path, column] : metrics.columns()) EXPECT_EQ(column.size(), 2U) << path;
+}
+
+TEST(Metrics, CompletesAnEarlierRow) {
+  Metrics metrics;
+  metrics.add({{"/frame", 1}}, 1);
+  metrics.add({{"/frame", 2}, {"/timing/output", 0.5}}, 2);
+  metrics.set(1, "/timing/output", 0.25);
+  metrics.set(2, "/timing/late", 4.0);
+  EXPECT_EQ(*metrics.column("/timing/output"), (std::vector<double>{0.25, 0.5}));
+  EXPECT_EQ(*metrics.column("/timing/late"), (std::vector<double>{0.0, 4.0}));
 }
 
 TEST(Metrics, ComesBackFromACheckpoint) {

@@ -6,8 +6,10 @@
 #include <sys/mount.h>
 
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "scenes/disk_estimate.h"
+#include "scenes/hdf5_image.h"
 #include "scenes/scene_file.h"
 #include "tests/support/sanitized.h"
 
@@ -57,6 +59,43 @@ TEST_F(Command, RunsASceneAndLeavesTheContractedFiles) {
   EXPECT_NE(outcome.out.find("whole run"), std::string::npos);
 }
 
+/// Every frame's row tells what its outputs cost, the first and the last too, and no residual is missing.
+TEST_F(Command, TimesItsOutputs) {
+  const Outcome outcome = run({"run", "small.json", "--set", "/output/preview/write=true"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::string bytes = slurp(folder_ / "out/small/metrics.h5");
+  const scenes::Hdf5Reader reader(bytes);
+  const auto column = [&](const std::string& path) {
+    std::vector<double> values(reader.rows(path, ScalarType::f64, 1));
+    reader.read(path, ScalarType::f64, values.data());
+    return values;
+  };
+  for (const char* path : {"/timing/output", "/timing/output_background"}) {
+    const std::vector<double> seconds = column(path);
+    ASSERT_EQ(seconds.size(), 6U);
+    for (const double s : seconds) EXPECT_GT(s, 0.0) << path;
+    EXPECT_LT(std::accumulate(seconds.begin(), seconds.end(), 0.0), record()["wall_s"].get<double>()) << path;
+  }
+  EXPECT_EQ(column("/solve/pressure/residual").front(), 0.0) << "nothing is solved for the initial state";
+  for (const char* row : {"\noutput  ", "\n  pressure ", "\nwriting, meanwhile "})
+    EXPECT_NE(outcome.out.find(row), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("background"), std::string::npos) << "which is no part of the steps";
+}
+
+/// What an installed program needs is installed with it, the origin of its meshes included.
+TEST_F(Command, RunsInstalledFromAnotherFolder) {
+  const fs::path place = folder_ / "place";
+  Program install(folder_, {"--install", WICK_BUILD, "--prefix", place.string()}, {}, WICK_CMAKE);
+  ASSERT_EQ(install.wait(), 0) << install.err();
+  EXPECT_TRUE(fs::exists(place / "share/wick/scenes/meshes/bunny.ply"));
+  EXPECT_NE(slurp(place / "share/wick/scenes/meshes/README.md").find("Stanford"), std::string::npos);
+  Program bundled(folder_,
+                  {"run", "burning_bunny", "--frames", "1", "--quiet", "--set", "/smoke/resolution=[8,8,8]"}, {},
+                  place / "bin/wick");
+  EXPECT_EQ(bundled.wait(), 0) << bundled.err();
+  EXPECT_TRUE(fs::exists(folder_ / "out/burning_bunny/run.json"));
+}
+
 TEST_F(Command, EffectiveSceneGivesTheSameRun) {
   ASSERT_EQ(run({"run", "small.json", "--quiet"}).code, 0);
   ASSERT_EQ(run({"run", "out/small/scene.json", "--out", "again", "--quiet"}).code, 0);
@@ -91,10 +130,18 @@ TEST_F(Command, LeavesNothingOfAnInvalidScene) {
   refused({"check", "small.json", "--set", "/frames=none"}, 65, "/frames: expected a whole number");
   refused({"run", "small.json", "--set", "frames=3"}, 64, "is not /pointer=value");
   refused({"run", "none.json"}, 66, "no such file");
-  refused({"run", "small.json", "--set", "/shells/0/mesh={\"kind\": \"file\", \"file\": \"none.ply\"}"}, 66,
-          "none.ply");
   refused({"run", "small.json", "--set", "/smoke/resolution=[4000,4000,4000]"}, 77,
           "/smoke/resolution: needs about");
+  for (const auto& [section, kind] : {std::pair{"/shells/0/mesh", "file"}, std::pair{"/obstacles/0", "mesh"},
+                                      std::pair{"/shells/0/motion", "recorded"}}) {
+    const std::string pointer = section;
+    refused({"run", "small.json", "--set", pointer + "={\"kind\": \"" + kind + "\", \"file\": \"none.x\"}"}, 66,
+            "small.json: " + pointer + "/file: ");
+  }
+  refused({"run", "small.json", "--set", "/shells/0/mesh/vertices=[20000,20000]"}, 77,
+          "small.json: /shells/0/mesh/vertices: needs about 1.0 TB");
+  refused({"run", "small.json", "--set", "/shells/0/name=../x"}, 65,
+          "small.json: /shells/0/name: \"../x\" cannot be");
   refused({"run", "small.json", "--set", "/shells/1={\"name\": \"paper\"}"}, 65, "small.json: /shells/1/name: ");
   refused({"explain", "/nothing/like/it"}, 64, "no parameter");
 }
@@ -106,12 +153,18 @@ TEST_F(Command, RefusesABadCommandLine) {
                                              {"run"},
                                              {"run", "small.json", "--frames", "0"},
                                              {"run", "small.json", "--unknown"},
+                                             {"run", "small.json", "--out", ""},
+                                             {"check", ""},
                                              {"run", "small.json", "--threads", "x"}}) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 64);
     EXPECT_TRUE(outcome.err.starts_with("wick: ")) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
+  EXPECT_NE(run({}).err.find("a command is missing (there are run, check, "), std::string::npos);
+  const std::string two_lines = run({"run", "two\nlines"}).err;
+  EXPECT_EQ(std::count(two_lines.begin(), two_lines.end(), '\n'), 1) << two_lines;
+  EXPECT_NE(run({"run", "--help"}).out.find("--frames N "), std::string::npos);
   EXPECT_NE(run({"chekc", "small.json"}).err.find("did you mean check?"), std::string::npos);
   EXPECT_EQ(run({"--help"}).code, 0);
   EXPECT_NE(run({"--help"}).out.find("Usage: wick "), std::string::npos);
@@ -140,6 +193,28 @@ TEST_F(Command, FindsTheScenesInstalledBesideIt) {
   Program bundled(folder_, {"run", "only_here", "--quiet"}, {}, folder_ / "place/bin/wick");
   EXPECT_EQ(bundled.wait(), 0) << bundled.err();
   EXPECT_TRUE(fs::exists(folder_ / "out/only_here/run.json"));
+}
+
+/// A run outlives whoever reads what it prints; an answer that cannot be printed is no success.
+TEST_F(Command, MindsItsStreams) {
+  const auto on = [](int fd, const char* device) {
+    if (device == nullptr)
+      ::close(fd);
+    else
+      ::dup2(::open(device, O_WRONLY), fd);
+  };
+  for (const char* device : {static_cast<const char*>(nullptr), "/dev/full"}) {
+    const Outcome outcome = run({"run", "small.json", "--frames", "3", "--restart"}, [&] {
+      on(STDOUT_FILENO, device);
+      on(STDERR_FILENO, device);
+    });
+    EXPECT_EQ(outcome.code, 0);
+    EXPECT_EQ(record()["outcome"], "done");
+    EXPECT_EQ(slurp(folder_ / "out/small/scene.json").find("frame 2/"), std::string::npos);
+  }
+  const Outcome list = run({"list"}, [&] { on(STDOUT_FILENO, "/dev/full"); });
+  EXPECT_EQ(list.code, 74);
+  EXPECT_EQ(list.err, "wick: cannot print the answer (No space left on device)\n");
 }
 
 TEST_F(Command, ChangesParametersFromTheCommandLine) {
@@ -195,11 +270,21 @@ TEST_F(Command, EstimatesTheMemoryItNeeds) {
 
 TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
   if (sanitized) GTEST_SKIP() << "a sanitized program needs all of the address space";
-  const Outcome outcome = run({"run", "small.json", "--set", "/smoke/resolution=[200,200,200]"}, [] {
-    const rlimit limit{600 << 20, 600 << 20};
-    ::setrlimit(RLIMIT_AS, &limit);
-  });
-  EXPECT_EQ(outcome.code, 77) << outcome.err;
+  const auto expect_named = [&](const std::string& change, const std::string& pointer) {
+    const Outcome outcome = run({"run", "small.json", "--set", change}, [] {
+      const rlimit limit{600 << 20, 600 << 20};
+      ::setrlimit(RLIMIT_AS, &limit);
+    });
+    EXPECT_EQ(outcome.code, 77) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("wick: small.json: " + pointer + "needs about ")) << outcome.err;
+  };
+  expect_named("/smoke/resolution=[200,200,200]", "/smoke/resolution: ");
+  expect_named("/shells/0/mesh/vertices=[1000,1000]", "/shells/0/mesh/vertices: ");
+  expect_named(R"(/shells/0/mesh={"kind": "icosphere", "subdivisions": 8})", "/shells/0/mesh/subdivisions: ");
+  expect_named(R"(/output/preview={"write": true, "size": [8000, 8000]})", "/output/preview/size: ");
+  std::string many = "/shells=[";
+  for (int n = 0; n < 100; ++n) many += std::string(n ? "," : "") + R"({"name": "s)" + std::to_string(n) + "\"}";
+  expect_named(many + "]", "/shells: ");
 }
 
 /// On a disk of 1 MB a frame of 64^3 cells cannot be written, which is said before anything is.

@@ -21,7 +21,7 @@ std::string refusal(std::vector<Vec3> rest, std::vector<Int3> triangles, std::ve
 
 const std::vector<Vec3> kSquare = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1}};
 
-TEST(Mesh, RefusesWhatIsNoSheetAndNamesTheTriangle) {
+TEST(Mesh, RefusesWhatIsNoSheetAndNamesThePlace) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto expect = [](const std::string& message, const std::string& part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
@@ -36,6 +36,13 @@ TEST(Mesh, RefusesWhatIsNoSheetAndNamesTheTriangle) {
   expect(refusal(kSquare, {{0, 1, 2}, {0, 3, 2}}), "flip");
   expect(refusal(kSquare, {{0, 1, 2}}, {{0, 0}}), "material coordinates");
   expect(refusal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {{0, 0}, {1, 0}, {2, 0}}), "material");
+  // A bow tie; two closed cones that share their tip; and the same square with its fan whole.
+  expect(refusal(kSquare, {{0, 1, 4}, {2, 3, 4}}), "vertex 4 (counted from 0) joins triangles 0 and 1 at a point");
+  expect(refusal({{0, 0, 0}, {1, 0, 1}, {0, 1, 1}, {-1, -1, 1}, {1, 0, -1}, {0, 1, -1}, {-1, -1, -1}},
+                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {0, 5, 4}, {0, 6, 5}, {0, 4, 6}}),
+         "vertex 0 (counted from 0) joins triangles 0 and 3");
+  EXPECT_EQ(refusal(kSquare, {{2, 3, 4}, {0, 1, 4}, {3, 0, 4}}), "accepted");
+  EXPECT_EQ(refusal(kSquare, {{2, 3, 4}, {0, 1, 4}, {3, 0, 4}, {1, 2, 4}}), "accepted");
   EXPECT_EQ(refusal(kSquare, {{0, 1, 2}, {0, 2, 3}}), "accepted");
   EXPECT_EQ(refusal({}, {}), "accepted");
   // A needle of tiny size is bad by its shape, not by its size.
