@@ -28,10 +28,11 @@ struct VertexStencil {
 std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sheet, const SheetSurface& surface);
 
 /// Moves the content of cells that a sheet has passed to the cells on the side they came from, and fills them
-/// from the side they are on now; sums are kept. Returns the smoke [kg] and heat [J] that had nowhere to go
-/// (a cell walled in on all sides) and were taken out.
+/// from the side they are on now; sums are kept but for rounding. Returns the smoke [kg] and heat [J] that had
+/// nowhere to go (a cell walled in on all sides) and were taken out.
 struct SweptLoss {
   double smoke = 0.0, heat = 0.0;
+  double rounded_smoke = 0.0, rounded_heat = 0.0;  ///< taken out (-: put in) by the rounding of cells to floats
 };
 SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
                           const fluid::SmokeParams& params, fluid::SmokeState& gas);

@@ -72,25 +72,34 @@ std::vector<Share> plan_shares(const std::vector<Neighbours>& neighbours) {
   return shares;
 }
 
-/// Empties the swept cells across the sheet and fills them from their own side. Returns what had no taker.
-double hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept,
-                 const std::vector<Neighbours>& neighbours, const std::vector<Share>& shares) {
+/// What had no taker, and what was rounded away.
+struct Loss {
+  double without_taker = 0.0, rounded = 0.0;
+};
+
+/// Empties the swept cells across the sheet and fills them from their own side.
+Loss hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept,
+               const std::vector<Neighbours>& neighbours, const std::vector<Share>& shares) {
   std::vector<double> fresh(swept.size(), 0.0);
+  // What is rounded away is booked: handed on it would end up on the other side of the sheet.
+  Loss lost;
+  const auto set = [&lost](float& value, double wanted) {
+    value = static_cast<float>(wanted);
+    lost.rounded += wanted - double(value);
+  };
   for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
     float& content = field[shares[begin].giver];
     double weights = 1.0;
     for (; end < shares.size() && shares[end].giver == shares[begin].giver; ++end) weights += shares[end].weight;
     for (std::size_t n = begin; n < end; ++n) fresh[shares[n].receiver] += content * shares[n].weight / weights;
-    content = static_cast<float>(content / weights);
+    set(content, content / weights);
   }
-  double lost = 0.0;
   for (std::size_t s = 0; s < swept.size(); ++s) {
     const double old = field[swept[s]];
     const auto& across = neighbours[s].across;
-    for (const std::int64_t cell : across)
-      field[cell] += static_cast<float>(old / static_cast<double>(across.size()));
-    if (across.empty()) lost += old;
-    field[swept[s]] = static_cast<float>(fresh[s]);
+    for (const std::int64_t cell : across) set(field[cell], field[cell] + old / static_cast<double>(across.size()));
+    if (across.empty()) lost.without_taker += old;
+    set(field[swept[s]], fresh[s]);
   }
   return lost;
 }
@@ -104,15 +113,15 @@ SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>&
   for (const std::int64_t cell : swept) neighbours.push_back(neighbours_of(raster, swept, cell));
   const std::vector<Share> shares = plan_shares(neighbours);
   const double volume = std::pow(raster.grid().h, 3);
-  SweptLoss lost;
-  lost.smoke = volume * hand_over(gas.density, swept, neighbours, shares);
-  lost.heat = params.air_density * params.air_heat_capacity * volume *
-              hand_over(gas.temperature, swept, neighbours, shares);
+  const double capacity = params.air_density * params.air_heat_capacity * volume;
+  const Loss smoke = hand_over(gas.density, swept, neighbours, shares);
+  const Loss heat = hand_over(gas.temperature, swept, neighbours, shares);
   hand_over(gas.flame, swept, neighbours, shares);
   // Flame is an indicator, not a stuff: handed over it may not add up to more than 1.
   for (const Neighbours& found : neighbours)
     for (const std::int64_t cell : found.across) gas.flame[cell] = std::min(gas.flame[cell], 1.0F);
-  return lost;
+  return {volume * smoke.without_taker, capacity * heat.without_taker, volume * smoke.rounded,
+          capacity * heat.rounded};
 }
 
 }  // namespace wick::coupling
