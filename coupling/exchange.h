@@ -37,6 +37,13 @@ struct SweptLoss {
 SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
                           const fluid::SmokeParams& params, fluid::SmokeState& gas);
 
+/// Walls that close in push gas out with its heat, which transport on a grid of full cells and the handing over
+/// above do not: they pile it up. Cells beside walls that are hotter than `hottest` above ambient [K] pass the
+/// excess on through open faces to the nearest cells that have room. Returns the heat [J] that found none within a
+/// few cells and was taken out.
+double spread_excess_heat(const Raster& raster, double hottest, const fluid::SmokeParams& params,
+                          fluid::CellField& temperature);
+
 /// Newton cooling between each face of the sheet and the gas that it sees, integrated exactly for each pair over
 /// dt so that no step overshoots. `areas` (V, [m2]), `capacity` M c (V, [J per unit theta]).
 /// Adds to `sheet_heat` (V, [J], + into the sheet) and takes the same from the gas. Returns the sum into the

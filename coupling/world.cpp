@@ -106,6 +106,9 @@ void World::Impl::see_sheets() {
     sheet.seen_x = sheet.state.x;
     if (params.diffusion) stencils[s] = vertex_stencils(*raster, static_cast<std::int32_t>(s), sheet.surface());
   }
+  if (!params.burning) return;
+  const double hottest = params.burning->flame_temperature - ambient;
+  ledgers["heat"].book_flow("walled_in", -spread_excess_heat(*raster, hottest, *params.smoke, gas->temperature));
 }
 
 /// Steps the gas with the sheets as walls; leaves the force of the gas on every vertex in `push`.
