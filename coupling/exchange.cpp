@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/float_sum.h"
+
 namespace wick::coupling {
 
 namespace {
@@ -56,7 +58,8 @@ double exchange_heat(const std::vector<VertexStencil>& stencils, const std::vect
     const double difference = gas_kelvin[1] - gas_kelvin[0];
     hotter_side[i] = difference / (std::abs(difference) + 1.0);
   }
-  for (const auto& [cell, heat] : given) gas.temperature[cell] -= static_cast<float>(heat / gas_capacity);
+  FloatSum taken;
+  for (const auto& [cell, heat] : given) taken.add(gas.temperature[cell], -heat / gas_capacity);
   return total;
 }
 
@@ -67,6 +70,7 @@ Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<
   const double volume = h * h * h;
   const double gas_capacity = params.air_density * params.air_heat_capacity * volume;
   Deposited sum;
+  FloatSum density, kelvin;
   for (std::size_t i = 0; i < stencils.size(); ++i) {
     if (smoke[i] == 0.0 && heat[i] == 0.0 && flame[i] == 0.0) continue;
     const int faces = (stencils[i].face[0].count > 0 ? 1 : 0) + (stencils[i].face[1].count > 0 ? 1 : 0);
@@ -76,17 +80,21 @@ Deposited deposit(const std::vector<VertexStencil>& stencils, const std::vector<
       continue;
     }
     double unburnt = 0.0;
-    for (const auto& face : stencils[i].face)
+    for (const auto& face : stencils[i].face) {
+      // The weights are floats, and their sum is 1 but for rounding.
+      double weights = 0.0;
+      for (int n = 0; n < face.count; ++n) weights += face.weight[n];
       for (int n = 0; n < face.count; ++n) {
-        const double share = face.weight[n] / faces;
+        const double share = face.weight[n] / (weights * faces);
         const std::int64_t c = face.cell[n];
-        gas.density[c] += static_cast<float>(share * smoke[i] / volume);
+        density.add(gas.density[c], share * smoke[i] / volume);
         const double wanted = share * heat[i];
         const double room = gas_capacity * std::max(0.0, hottest - static_cast<double>(gas.temperature[c]));
-        gas.temperature[c] += static_cast<float>(std::min(wanted, room) / gas_capacity);
+        kelvin.add(gas.temperature[c], std::min(wanted, room) / gas_capacity);
         unburnt += std::max(wanted - room, 0.0);
         gas.flame[c] = std::max(gas.flame[c], static_cast<float>(flame[i]));
       }
+    }
     sum.smoke += smoke[i];
     sum.heat += heat[i] - unburnt;
     sum.unburnt_heat += unburnt;

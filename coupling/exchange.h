@@ -28,13 +28,21 @@ struct VertexStencil {
 std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sheet, const SheetSurface& surface);
 
 /// Moves the content of cells that a sheet has passed to the cells on the side they came from, and fills them
-/// from the side they are on now; sums are kept. Returns the smoke [kg] and heat [J] that had nowhere to go
-/// (a cell walled in on all sides) and were taken out.
+/// from the side they are on now; sums are kept but for rounding. Returns the smoke [kg] and heat [J] that had
+/// nowhere to go (a cell walled in on all sides) and were taken out.
 struct SweptLoss {
   double smoke = 0.0, heat = 0.0;
+  double rounded_smoke = 0.0, rounded_heat = 0.0;  ///< taken out (-: put in) by the rounding of cells to floats
 };
 SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
                           const fluid::SmokeParams& params, fluid::SmokeState& gas);
+
+/// Walls that close in push gas out with its heat, which transport on a grid of full cells and the handing over
+/// above do not: they pile it up. Cells beside walls that are hotter than `hottest` above ambient [K] pass the
+/// excess on through open faces to the nearest cells that have room. Returns the heat [J] that found none within a
+/// few cells and was taken out.
+double spread_excess_heat(const Raster& raster, double hottest, const fluid::SmokeParams& params,
+                          fluid::CellField& temperature);
 
 /// Newton cooling between each face of the sheet and the gas that it sees, integrated exactly for each pair over
 /// dt so that no step overshoots. `areas` (V, [m2]), `capacity` M c (V, [J per unit theta]).

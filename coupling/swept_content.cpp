@@ -1,15 +1,17 @@
-/// What happens to the content of cells that a sheet has passed.
+/// What happens to the content of cells that a sheet has passed, and of those that walls squeeze.
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "core/float_sum.h"
 #include "coupling/exchange.h"
 
 namespace wick::coupling {
 
 namespace {
 
-/// Layers of swept cells that are looked across; what a sheet sweeps beyond it in one step has no taker and is
-/// booked.
+/// Layers of swept cells that are looked across, and of cells through which excess heat is passed on; what a sheet
+/// sweeps beyond it in one step has no taker and is booked.
 constexpr int kReach = 6;
 
 /// Unswept cells along the six grid directions: across the sheet, where the old content belongs, and on
@@ -72,30 +74,89 @@ std::vector<Share> plan_shares(const std::vector<Neighbours>& neighbours) {
   return shares;
 }
 
-/// Empties the swept cells across the sheet and fills them from their own side. Returns what had no taker.
-double hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept,
-                 const std::vector<Neighbours>& neighbours, const std::vector<Share>& shares) {
+/// The cells behind the open faces of those of `ring` that are not among `seen`; adds them to `seen`.
+std::vector<std::int64_t> next_ring(const Raster& raster, const std::vector<std::int64_t>& ring,
+                                    std::set<std::int64_t>& seen) {
+  const fluid::Grid& grid = raster.grid();
+  std::vector<std::int64_t> next;
+  for (const std::int64_t cell : ring) {
+    const std::int64_t row = cell / grid.nx;
+    const Int3 at = {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny),
+                     static_cast<int>(row / grid.ny)};
+    for (int side = 0; side < 6; ++side) {
+      const int axis = side / 2;
+      Int3 face = at, other = at;
+      face[axis] += side % 2;
+      other[axis] += side % 2 == 0 ? -1 : 1;
+      if (other[axis] < 0 || other[axis] >= grid.size(axis)) continue;
+      if (raster.walls().closed[axis][grid.face(axis, face[0], face[1], face[2])] != 0) continue;
+      const auto neighbour = static_cast<std::int64_t>(grid.cell(other[0], other[1], other[2]));
+      if (seen.insert(neighbour).second) next.push_back(neighbour);
+    }
+  }
+  return next;
+}
+
+/// What had no taker, and what was rounded away.
+struct Loss {
+  double without_taker = 0.0, rounded = 0.0;
+};
+
+/// Empties the swept cells across the sheet and fills them from their own side.
+Loss hand_over(fluid::CellField& field, const std::vector<std::int64_t>& swept,
+               const std::vector<Neighbours>& neighbours, const std::vector<Share>& shares) {
   std::vector<double> fresh(swept.size(), 0.0);
+  // What is rounded away is booked: handed on it would end up on the other side of the sheet.
+  Loss lost;
+  const auto set = [&lost](float& value, double wanted) {
+    value = static_cast<float>(wanted);
+    lost.rounded += wanted - double(value);
+  };
   for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
     float& content = field[shares[begin].giver];
     double weights = 1.0;
     for (; end < shares.size() && shares[end].giver == shares[begin].giver; ++end) weights += shares[end].weight;
     for (std::size_t n = begin; n < end; ++n) fresh[shares[n].receiver] += content * shares[n].weight / weights;
-    content = static_cast<float>(content / weights);
+    set(content, content / weights);
   }
-  double lost = 0.0;
   for (std::size_t s = 0; s < swept.size(); ++s) {
     const double old = field[swept[s]];
     const auto& across = neighbours[s].across;
-    for (const std::int64_t cell : across)
-      field[cell] += static_cast<float>(old / static_cast<double>(across.size()));
-    if (across.empty()) lost += old;
-    field[swept[s]] = static_cast<float>(fresh[s]);
+    for (const std::int64_t cell : across) set(field[cell], field[cell] + old / static_cast<double>(across.size()));
+    if (across.empty()) lost.without_taker += old;
+    set(field[swept[s]], fresh[s]);
   }
   return lost;
 }
 
 }  // namespace
+
+double spread_excess_heat(const Raster& raster, double hottest, const fluid::SmokeParams& params,
+                          fluid::CellField& temperature) {
+  // The largest float that is certainly below.
+  const float most = std::nextafter(static_cast<float>(hottest), 0.0F);
+  double lost = 0.0;
+  for (std::size_t c = 0; c < temperature.size(); ++c) {
+    if (!(temperature[c] > most) || raster.walls().near[c] == 0) continue;
+    double excess = double(temperature[c]) - double(most);
+    FloatSum sum;
+    temperature[c] = most;
+    std::vector<std::int64_t> ring = {static_cast<std::int64_t>(c)};
+    std::set<std::int64_t> seen(ring.begin(), ring.end());
+    for (int reach = 0; reach < kReach && excess > 0.0; ++reach) {
+      ring = next_ring(raster, ring, seen);
+      // Share alike, and what the first have no room for among the others.
+      for (std::size_t n = 0; n < ring.size(); ++n) {
+        const double room = std::max(0.0, double(most) - double(temperature[ring[n]]));
+        const double given = std::min(room, excess / static_cast<double>(ring.size() - n));
+        sum.add(temperature[ring[n]], given);
+        excess -= given;
+      }
+    }
+    lost += excess + sum.left();
+  }
+  return params.air_density * params.air_heat_capacity * std::pow(raster.grid().h, 3) * lost;
+}
 
 SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
                           const fluid::SmokeParams& params, fluid::SmokeState& gas) {
@@ -104,15 +165,15 @@ SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>&
   for (const std::int64_t cell : swept) neighbours.push_back(neighbours_of(raster, swept, cell));
   const std::vector<Share> shares = plan_shares(neighbours);
   const double volume = std::pow(raster.grid().h, 3);
-  SweptLoss lost;
-  lost.smoke = volume * hand_over(gas.density, swept, neighbours, shares);
-  lost.heat = params.air_density * params.air_heat_capacity * volume *
-              hand_over(gas.temperature, swept, neighbours, shares);
+  const double capacity = params.air_density * params.air_heat_capacity * volume;
+  const Loss smoke = hand_over(gas.density, swept, neighbours, shares);
+  const Loss heat = hand_over(gas.temperature, swept, neighbours, shares);
   hand_over(gas.flame, swept, neighbours, shares);
   // Flame is an indicator, not a stuff: handed over it may not add up to more than 1.
   for (const Neighbours& found : neighbours)
     for (const std::int64_t cell : found.across) gas.flame[cell] = std::min(gas.flame[cell], 1.0F);
-  return lost;
+  return {volume * smoke.without_taker, capacity * heat.without_taker, volume * smoke.rounded,
+          capacity * heat.rounded};
 }
 
 }  // namespace wick::coupling

@@ -87,7 +87,8 @@ void World::Impl::substep(double dt, FrameReport& report) {
   ++report.substeps;
 }
 
-/// Closes the faces that sheets and obstacles cross now, and hands over what swept cells hold.
+/// Closes the faces that sheets and obstacles cross now, hands over what swept cells hold, and lets out the heat
+/// that was squeezed into cells.
 void World::Impl::see_sheets() {
   if (!raster || (sheets.empty() && obstacles.empty())) return;
   raster->see(surfaces(), obstacles);
@@ -99,10 +100,15 @@ void World::Impl::see_sheets() {
       const SweptLoss lost = hand_over_swept(*raster, swept, *params.smoke, *gas);
       ledgers["smoke"].book_flow("walled_in", -lost.smoke);
       ledgers["heat"].book_flow("walled_in", -lost.heat);
+      ledgers["smoke"].book_flow("rounding", -lost.rounded_smoke);
+      ledgers["heat"].book_flow("rounding", -lost.rounded_heat);
     }
     sheet.seen_x = sheet.state.x;
     if (params.diffusion) stencils[s] = vertex_stencils(*raster, static_cast<std::int32_t>(s), sheet.surface());
   }
+  if (!params.burning) return;
+  const double hottest = params.burning->flame_temperature - ambient;
+  ledgers["heat"].book_flow("walled_in", -spread_excess_heat(*raster, hottest, *params.smoke, gas->temperature));
 }
 
 /// Steps the gas with the sheets as walls; leaves the force of the gas on every vertex in `push`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/float_sum.h"
 #include "core/parallel.h"
 #include "fluid/smoke_state.h"
 
@@ -42,10 +43,11 @@ Faded fade(SmokeState& state, const SmokeParams& params, double dt) {
 void add_sources(SmokeState& state, const SmokeSources& sources, const SmokeParams& params) {
   const double volume = cell_volume(params);
   const double capacity = heat_capacity(params);
+  FloatSum smoke, heat;
   for (std::size_t s = 0; s < sources.cell.size(); ++s) {
     const auto c = static_cast<std::size_t>(sources.cell[s]);
-    if (!sources.smoke.empty()) state.density[c] += static_cast<float>(sources.smoke[s] / volume);
-    if (!sources.heat.empty()) state.temperature[c] += static_cast<float>(sources.heat[s] / capacity);
+    if (!sources.smoke.empty()) smoke.add(state.density[c], sources.smoke[s] / volume);
+    if (!sources.heat.empty()) heat.add(state.temperature[c], sources.heat[s] / capacity);
     if (!sources.flame.empty()) state.flame[c] = std::max(state.flame[c], static_cast<float>(sources.flame[s]));
   }
 }

@@ -8,7 +8,8 @@
 ///   w_r = ρ h³ sum_k weight_rk / m_k  sum_s weight_sk      (row sums of N M⁻¹ Nᵀ: T is at most that)
 /// that is, a sheet of mass m an area is a layer of gas of density m/h. Solved is E = T - W on top of the matrix
 /// with faces W. Where masses are light against the gas of a cell, T of jumps that change from face to face is far
-/// below W: W is then bounded, and pressure_layer.h makes up for the difference.
+/// below W: W is then bounded, and pressure_layer.h makes up for the difference, in more rings of cells the lighter
+/// the masses are.
 #include "fluid/multigrid_graph.h"
 #include "fluid/multigrid_layout.h"
 #include "fluid/walls.h"
@@ -17,7 +18,7 @@ namespace wick::fluid {
 
 class MovableTerm {
  public:
-  /// A cell beside a face that yields to pressure.
+  /// A cell beside a face that yields to pressure, or in the rings around one that hangs on very light masses.
   struct Cell {
     std::int64_t number;
     std::uint32_t place;  ///< in the arrays of its colour
@@ -64,8 +65,8 @@ class MovableTerm {
   void move_faces(const std::vector<Vec3>& impulse, FaceField& velocity) const;
 
  private:
-  void find_weak_faces();
-  void index_cells();
+  std::vector<double> find_weak_faces();
+  void index_cells(const Sides& sides, const Walls& walls, const std::vector<double>& weight);
   void spread_jumps(const std::vector<double>& p) const;
 
   Grid grid_;

@@ -27,10 +27,10 @@ SolveReport solve(const HungSheet& sheet, int cells, const fluid::MovableWalls* 
                         {.density = 1.2, .dt = 0.01, .walls = &sheet.raster.walls(), .movable = movable});
 }
 
-void expect_few_iterations(const Case& sheet_case, const std::vector<double>& ratios) {
+/// `edge`: of triangles, in cells.
+void expect_few_iterations(const Case& sheet_case, double edge, const std::vector<double>& ratios) {
   const auto [shape, cells] = sheet_case;
-  // Edges of triangles as long as cells: finer meshes tie fewer faces together, coarser ones converge no slower.
-  HungSheet sheet(shape, cells, cells * 6 / 10 + 1, 1.0);
+  HungSheet sheet(shape, cells, static_cast<int>(cells * 0.6 / edge) + 1, 1.0);
   const int fixed = solve(sheet, cells, nullptr).iterations;
   for (const double ratio : ratios) {
     sheet.set_mass(ratio * 1.2 / cells);
@@ -42,16 +42,19 @@ void expect_few_iterations(const Case& sheet_case, const std::vector<double>& ra
 }
 
 TEST_P(LightSheets, TakeAtMostOneAndAHalfTimesTheIterationsOfAFixedSheet) {
-  expect_few_iterations(GetParam(), {1e-2, 1e-1, 1.0, 10.0, 1e3});
+  expect_few_iterations(GetParam(), 1.0, {1e-2, 1e-1, 1.0, 10.0, 1e3});
 }
 
-/// A thousandth of the gas's mass is lighter than any cloth in air.
-TEST(LongLightSheets, TakeAsFewAtAThousandthOfTheMassOfTheGas) {
+/// A thousandth of the gas's mass is lighter than any cloth in air. Where the mesh is finer than the grid each face
+/// has masses of its own, and the sheet is all short cuts; where it is coarser, one mass ties many faces together.
+TEST(LongLightSheets, TakeAsFewOnAnyMeshFromAThousandthToAThousandTimesTheMassOfTheGas) {
   for (const SheetShape shape : {SheetShape::flat, SheetShape::tilted, SheetShape::wrinkled, SheetShape::folded})
-    for (const int cells : {64, 128}) {
-      SCOPED_TRACE(test::sheet_shape_names[int(shape)] + std::string("_") + std::to_string(cells));
-      expect_few_iterations({shape, cells}, {1e-3});
-    }
+    for (const int cells : {64, 128})
+      for (const double edge : {0.5, 1.0, 2.0}) {
+        SCOPED_TRACE(test::sheet_shape_names[int(shape)] + std::string("_") + std::to_string(cells) + " edge " +
+                     std::to_string(edge));
+        expect_few_iterations({shape, cells}, edge, {1e-3, 3e-3, 1e-2, 3e-2, 0.1, 1.0, 10.0, 1e3});
+      }
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LightSheets,
