@@ -91,6 +91,10 @@ void describe_front(ParameterVisitor& v, DiffusionParams& p) {
       {"u_min", "1", above(0.0), "lower end of the front; 0 would wet or ignite strained places never reached"},
       p.u_min);
   v.number({"u_max", "1", above(0.0), "upper end of the front"}, p.u_max);
+  v.number({"front_ramp", "1", between(0.0, 10.0),
+            "range of u over which the front sets in above u_min and fades below u_max; 0 is a hard front, whose "
+            "vertices switch between two steps"},
+           p.front_ramp);
   v.number({"virgin", "1", between(0.0, 1.0),
             "the front takes only vertices with more than this fraction of their mass left; 0: all; burnt cells "
             "that cool down would take heat from the flame"},

@@ -5,12 +5,26 @@
 
 namespace wick::diffusion {
 
-std::vector<std::uint8_t> front_band(const DiffusionParams& params, const std::vector<double>& u_star,
-                                     const std::vector<double>* fraction_left) {
-  std::vector<std::uint8_t> front(u_star.size());
+namespace {
+
+/// 0 below 0, 1 above 1, 3t² - 2t³ in between.
+double smooth_step(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+}  // namespace
+
+std::vector<double> front_band(const DiffusionParams& params, const std::vector<double>& u_star,
+                               const std::vector<double>* fraction_left) {
+  // Two ramps that met would leave no front.
+  const double ramp = std::min(params.front_ramp, 0.5 * (params.u_max - params.u_min));
+  std::vector<double> front(u_star.size());
   parallel_for(front.size(), chunk, [&](std::size_t i) {
     const bool virgin = params.virgin <= 0.0 || fraction_left == nullptr || (*fraction_left)[i] > params.virgin;
-    front[i] = virgin && u_star[i] >= params.u_min && u_star[i] <= params.u_max ? 1 : 0;
+    const double inside = std::min(u_star[i] - params.u_min, params.u_max - u_star[i]);
+    if (!virgin || !(inside >= 0.0)) return;
+    front[i] = ramp > 0.0 ? smooth_step(inside / ramp) : 1.0;
   });
   return front;
 }
@@ -43,11 +57,11 @@ Projection project_total(std::span<const std::int32_t> members, const std::vecto
 }
 
 double redistribute_locally(const std::vector<double>& mass, const std::vector<double>& c,
-                            const std::vector<std::uint8_t>& taken, const Kernel& kernel, std::vector<double>& v) {
+                            const std::vector<double>& taken, const Kernel& kernel, std::vector<double>& v) {
   const std::size_t n = v.size();
-  const auto takes = [&](std::size_t i) { return taken.empty() || taken[i] != 0; };
+  const auto weight = [&](std::size_t i) { return taken.empty() ? 1.0 : taken[i]; };
   std::vector<double> rhs(n);
-  parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = takes(i) ? mass[i] * v[i] : 0.0; });
+  parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = mass[i] * v[i] * weight(i); });
   const std::vector<double> nearby = kernel(rhs);
 
   // C lies where v > 0, so D is positive there; where it is not, nothing can pay for C and it is dropped.
@@ -59,13 +73,10 @@ double redistribute_locally(const std::vector<double>& mass, const std::vector<d
   const std::vector<double> bracket = kernel(rhs);
   const double largest = parallel_max(n, chunk, 0.0, [&](std::size_t begin, std::size_t end) {
     double most = 0.0;
-    for (std::size_t i = begin; i < end; ++i)
-      if (takes(i)) most = std::max(most, bracket[i]);
+    for (std::size_t i = begin; i < end; ++i) most = std::max(most, weight(i) * bracket[i]);
     return most;
   });
-  parallel_for(n, chunk, [&](std::size_t i) {
-    if (takes(i)) v[i] *= std::max(0.0, 1.0 - bracket[i]);
-  });
+  parallel_for(n, chunk, [&](std::size_t i) { v[i] *= std::max(0.0, 1.0 - weight(i) * bracket[i]); });
   return std::max(0.0, 1.0 - largest);
 }
 
@@ -87,24 +98,30 @@ double target_total(const DiffusionParams& params, const RescaleInput& in, std::
   return std::max(0.0, star + (params.sigma - 1.0) * std::max(given, 0.0));
 }
 
-/// Rescales only the front vertices of one component. Returns false, leaving v, when they cannot meet the target
-/// alone.
+/// Rescales only the front of one component, each vertex as far as it belongs to it. Returns false, leaving v, when
+/// it cannot meet the target alone.
 bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members, double created,
                    std::vector<double>& v, Projection& done) {
-  const std::vector<double>& w = *in.weight;
+  const std::vector<double>&w = *in.weight, &front = *in.front;
   std::vector<std::int32_t> inside;
   for (const std::int32_t i : members)
-    if ((*in.front)[i] != 0) inside.push_back(i);
-  // σ U* minus everything off the front, written as a difference that does not cancel when σ = 1.
-  const double wanted = created + sum_over(inside, [&](std::size_t i) { return w[i] * (*in.u_star)[i]; });
+    if (front[i] > 0.0) inside.push_back(i);
+  // σ U* minus everything that is not rescaled, written as a difference that does not cancel when σ = 1:
+  // u = v + f (r v - v), so Σ f W r v = Σ W u* + created - Σ (1 - f) W v.
+  const double wanted =
+      created + sum_over(inside, [&](std::size_t i) { return w[i] * ((*in.u_star)[i] - (1.0 - front[i]) * v[i]); });
   if (inside.empty() || wanted < 0.0) return false;
+  std::vector<double> share(w.size());
+  for (const std::int32_t i : inside) share[i] = front[i] * w[i];
   if (in.capacity > 0.0) {
-    const double room = in.capacity * sum_over(inside, [&](std::size_t i) { return w[i]; });
+    const double room = in.capacity * sum_over(inside, [&](std::size_t i) { return share[i]; });
     if (wanted > room) return false;
     for (const std::int32_t i : members)
-      if ((*in.front)[i] == 0 && v[i] > in.capacity) return false;
+      if (front[i] < 1.0 && v[i] > in.capacity) return false;
   }
-  done = project_total(inside, w, wanted, in.capacity, v);
+  std::vector<double> rescaled = v;
+  done = project_total(inside, share, wanted, in.capacity, rescaled);
+  for (const std::int32_t i : inside) v[i] = front[i] < 1.0 ? v[i] + front[i] * (rescaled[i] - v[i]) : rescaled[i];
   return true;
 }
 
@@ -116,7 +133,7 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
   std::vector<double> before;
   const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
   if (local && std::any_of(in.c->begin(), in.c->end(), [](double c) { return c > 0.0; })) {
-    static const std::vector<std::uint8_t> everywhere;
+    static const std::vector<double> everywhere;
     before = u;
     result.rescale =
         redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);

@@ -1,7 +1,6 @@
 #pragma once
 /// The front and the rescaling of the total [Kim 2017, Eqs 8c-8g], over the scopes that keep it from acting at a
 /// distance.
-#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -11,9 +10,10 @@
 
 namespace wick::diffusion {
 
-/// 1 where u_min <= u* <= u_max and more than `virgin` of the material is left (null: all of it).
-std::vector<std::uint8_t> front_band(const DiffusionParams& params, const std::vector<double>& u_star,
-                                     const std::vector<double>* fraction_left);
+/// How far each vertex belongs to the front: 1 where u_min + w <= u* <= u_max - w with w = front_ramp, falling
+/// smoothly to 0 at u_min and u_max; 0 where no more than `virgin` of the material is left (null: all of it).
+std::vector<double> front_band(const DiffusionParams& params, const std::vector<double>& u_star,
+                               const std::vector<double>* fraction_left);
 
 /// What a projection did.
 struct Projection {
@@ -30,11 +30,11 @@ Projection project_total(std::span<const std::int32_t> members, const std::vecto
 using Kernel = std::function<std::vector<double>(const std::vector<double>& rhs)>;
 
 /// Takes the mean of C over each vertex's neighbourhood out again, in proportion to what the vertices hold:
-///   v = u* + C;  D = K (M v 1_taken);  u_i = v_i - v_i 1_taken [K (M C / D)]_i,  so Σ M u = Σ M u*.
-/// `c` is already masked with the front; taken = front (local_front) or everything (local, empty `taken`).
+///   v = u* + C;  D = K (M v w);  u_i = v_i - v_i w_i [K (M C / D)]_i,  so Σ M u = Σ M u*.
+/// `c` is already weighted with the front; w = `taken`, the front (local_front) or 1 everywhere (local, empty).
 /// Clamps at 0; returns the smallest factor applied.
 double redistribute_locally(const std::vector<double>& mass, const std::vector<double>& c,
-                            const std::vector<std::uint8_t>& taken, const Kernel& kernel, std::vector<double>& v);
+                            const std::vector<double>& taken, const Kernel& kernel, std::vector<double>& v);
 
 /// Everything that the rescaling needs to know.
 struct RescaleInput {
@@ -43,8 +43,8 @@ struct RescaleInput {
   const std::vector<double>* mass = nullptr;    ///< M
   const std::vector<double>* weight = nullptr;  ///< M (area) or 1 (plain)
   const std::vector<double>* u_star = nullptr;
-  const std::vector<double>* c = nullptr;  ///< masked with the front
-  const std::vector<std::uint8_t>* front = nullptr;
+  const std::vector<double>* c = nullptr;       ///< weighted with the front
+  const std::vector<double>* front = nullptr;   ///< 0 to 1
   const std::vector<double>* supply = nullptr;  ///< what each vertex was given this step, in units of the weight
   double capacity = 0.0;
   double dt = 0.0;

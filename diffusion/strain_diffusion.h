@@ -61,7 +61,8 @@ struct DiffusionParams {
   double bending_gain = 0.0;  ///< lambda_b h_b^2 of S_b = lambda_b h_b^2 (kappa_1 + kappa_2 - H_0)^2 [m2]; 0: off
   // front
   double u_min = 0.05, u_max = 0.6;
-  double virgin = 0.3;  ///< the band takes only vertices whose fraction left (mu) exceeds this; 0: all
+  double front_ramp = 0.0;  ///< range of u over which the front sets in above u_min and fades below u_max; 0: hard
+  double virgin = 0.3;      ///< the band takes only vertices whose fraction left (mu) exceeds this; 0: all
   Order order = Order::inside;
   // rescale
   Scope scope = Scope::front;

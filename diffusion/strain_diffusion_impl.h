@@ -33,7 +33,7 @@ struct DiffusionSolver::Impl {
   SheetMatrix matrix;
   Values loss, supply, amount, given;  ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
   Values c, c_front, strain;
-  std::vector<std::uint8_t> front;
+  Values front;  ///< how far each vertex belongs to it
 
   explicit Impl(const DiffusionParams& p) : params(p) {}
 

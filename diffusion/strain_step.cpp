@@ -73,12 +73,12 @@ void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, co
   const bool plain = params.total == Total::plain;
   front = front_band(params, u_star, in.fraction_left);
   parallel_for(n, chunk, [&](std::size_t i) {
-    if (front[i] == 0) c_front[i] = 0.0;
+    c_front[i] *= front[i];
     u[i] = u_star[i] + c_front[i];
   });
   report.front_vertices = static_cast<std::size_t>(parallel_sum(n, chunk, [&](std::size_t begin, std::size_t end) {
     std::size_t count = 0;
-    for (std::size_t i = begin; i < end; ++i) count += front[i] != 0 && mass[i] > 0.0 ? 1 : 0;
+    for (std::size_t i = begin; i < end; ++i) count += front[i] > 0.0 && mass[i] > 0.0 ? 1 : 0;
     return static_cast<double>(count);
   }));
   report.strain_added = sum_of(n, [&](std::size_t i) { return mass[i] * c_front[i]; });

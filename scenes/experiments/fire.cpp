@@ -22,6 +22,7 @@ ExperimentReport burning_methods(const Surroundings& s) {
                    at_least("Rq4(ours) [edges]", all.roughness(1), 0.4),
                    at_most("Rq4(isotropic) [edges]", all.roughness(0), 0.1),
                    reported("rG(ours), unburnt places", all.of(1, &FrontNumbers::ahead)),
+                   reported("rG(ours), of the char", all.of(1, &FrontNumbers::front_displacement)),
                    reported("Df(ours)", all.of(1, &FrontNumbers::dimension)),
                    reported("Df(isotropic)", all.of(0, &FrontNumbers::dimension)),
                    reported("r_s(ours)", all.of(1, &FrontNumbers::advance)),
@@ -29,10 +30,10 @@ ExperimentReport burning_methods(const Surroundings& s) {
                    reported("Rq4(tensor) [edges]", all.roughness(3))};
   report.analysis =
       "rG compares u with isotropic u where the latter lies between 0.15 and 0.85. In a fire that is ahead of the "
-      "front and behind it: "
-      "strained places take fire earlier and have therefore cooled more behind it, which turns the sign there. "
-      "Over unburnt places "
-      "alone rG is positive, and so is r_s, the correlation of the front's advance with strain.";
+      "front and "
+      "behind it: strained places take fire earlier and have therefore cooled more behind it, which turns the sign "
+      "there. The "
+      "char, which only grows, has no such other side.";
   report.tables.push_back(numbers_table("numbers", all.numbers));
   report.pictures.push_back({"fronts",
                              "char when 0.4 of the sheet is burnt, on the same crumpled sheet; line: half burnt",

@@ -147,6 +147,9 @@ FrontNumbers measure_front(const SheetHistory& run, const SheetHistory& isotropi
   // Both are read at the same coverage, so that only the shape differs.
   n.displacement = diffusion::displacement_correlation(run.frames[frame].u, isotropic.frames[same].u,
                                                        diffusion::smoothed(run.mesh, strain_of(c, frame), 0.04));
+  n.front_displacement = diffusion::displacement_correlation(
+      front_field(run.frames[frame], question.of), front_field(isotropic.frames[same], question.of),
+      diffusion::smoothed(run.mesh, strain_of(c, frame), 0.04));
   std::vector<double> virgin = isotropic.frames[same].u;
   const auto burnt = [](const SheetFrame& f, std::size_t i) { return !f.left.empty() && f.left[i] < 0.99; };
   for (std::size_t i = 0; i < virgin.size(); ++i)
@@ -175,15 +178,16 @@ std::vector<double> MethodNumbers::of(double FrontNumbers::*number) const {
 
 Table numbers_table(const std::string& name, const std::vector<MethodNumbers>& methods) {
   Table table{.name = name,
-              .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "rG_unburnt", "r_s",
-                          "r_s_partial", "AI4"},
+              .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "rG_unburnt", "rG_front",
+                          "r_s", "r_s_partial", "AI4"},
               .rows = {}};
   for (const MethodNumbers& m : methods)
     for (std::size_t s = 0; s < m.seeds.size(); ++s) {
       const FrontNumbers& n = m.seeds[s];
-      table.add({m.label, std::to_string(s + 1)},
-                {n.covered, n.tortuosity, n.fine_roughness, n.relative_roughness, n.departure, n.dimension,
-                 n.pieces, n.displacement, n.ahead, n.advance, n.advance_partial, n.anisotropy});
+      table.add(
+          {m.label, std::to_string(s + 1)},
+          {n.covered, n.tortuosity, n.fine_roughness, n.relative_roughness, n.departure, n.dimension, n.pieces,
+           n.displacement, n.ahead, n.front_displacement, n.advance, n.advance_partial, n.anisotropy});
     }
   return table;
 }

@@ -17,10 +17,11 @@ struct FrontNumbers {
   double dimension = 0.0;           ///< Df
   double pieces = 0.0;              ///< nc: longer than six edges
   double displacement = 0.0;  ///< rG: Spearman of u above its mean at equal isotropic u with c smoothed over 4 cm
-  double ahead = 0.0;         ///< rG over the vertices that are unburnt in both runs
-  double advance = 0.0;       ///< r_s: Spearman of the front's normal advance with c, mean over frames
-  double advance_partial = 0.0;  ///< r_s with distance from the source and the front's curvature partialled out
-  double anisotropy = 0.0;    ///< AI4: fourth harmonic of the front's radius about the middle of the sheet
+  double front_displacement = 0.0;  ///< rG of the field that the front is found in: u, or the char
+  double ahead = 0.0;               ///< rG over the vertices that are unburnt in both runs
+  double advance = 0.0;             ///< r_s: Spearman of the front's normal advance with c, mean over frames
+  double advance_partial = 0.0;     ///< r_s with distance from the source and the front's curvature partialled out
+  double anisotropy = 0.0;          ///< AI4: fourth harmonic of the front's radius about the middle of the sheet
 };
 
 struct FrontQuestion {

@@ -92,6 +92,35 @@ TEST(Rescale, FrontScopeLeavesTheRestAlone) {
   EXPECT_NEAR(u[2], 0.6 * 0.7 / 0.9, 1e-15);
 }
 
+TEST(Rescale, AFrontWithoutHardEndsKeepsTheTotalInEveryScope) {
+  const Values star = {0.0, 0.12, 0.2, 0.5, 0.83, 1.0, 0.3}, c = {0.1, 0.3, 0.02, 0.2, 0.1, 0.1, 0.0};
+  const double total = std::accumulate(star.begin(), star.end(), 0.0);
+  const Kernel ones = [](const Values& rhs) {
+    return Values(rhs.size(), std::accumulate(rhs.begin(), rhs.end(), 0.0));
+  };
+  for (const Scope scope : {Scope::global, Scope::component, Scope::front, Scope::local, Scope::local_front})
+    for (const double ramp : {0.0, 0.1, 0.3, 10.0})
+      for (const double cap : {0.0, 1.0}) {
+        DiffusionParams p = global_band(0.1, 0.9);
+        p.scope = scope;
+        p.front_ramp = ramp;
+        const Values u = run_rescale(p, star, c, cap, nullptr, ones);
+        EXPECT_NEAR(std::accumulate(u.begin(), u.end(), 0.0), total, 1e-14);
+        for (const double value : u) EXPECT_GE(value, 0.0);
+      }
+}
+
+TEST(Front, SetsInAndFadesOverTheRamp) {
+  DiffusionParams p = global_band(0.1, 0.9);
+  p.front_ramp = 0.2;
+  const Values front = front_band(p, {0.0999, 0.1, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 0.9001}, nullptr);
+  const Values expected = {0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0};
+  for (std::size_t i = 0; i < front.size(); ++i) EXPECT_NEAR(front[i], expected[i], 1e-12) << i;
+  // Ramps that would overlap meet in the middle.
+  p.front_ramp = 10.0;
+  EXPECT_NEAR(front_band(p, {0.5}, nullptr)[0], 1.0, 1e-12);
+}
+
 TEST(Rescale, LocalScopeWithAKernelOfOnesIsTheLiteralRescaling) {
   const Values star = {0.0, 0.2, 0.5, 1.0}, c(4, 0.1);
   const Kernel ones = [](const Values& rhs) {
