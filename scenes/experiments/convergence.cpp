@@ -166,7 +166,10 @@ ExperimentReport convergence(const Surroundings& s) {
       "halve the "
       "change, as a method of first order should; Pi = 3 lies in between, and a front without hard ends changes "
       "less. A "
-      "front evaluated at mid-step, or C added before the solve, did not help.";
+      "front evaluated at mid-step, or C added before the solve, did not help. Under h/2 the change fell by 3.0 "
+      "while the "
+      "averages of the local scope were exact; on patches, whose distances are whole numbers of edges, it falls by "
+      "1.7.";
   report.tables.push_back(table);
   report.pictures.push_back({"step",
                              "saturation after 1 s of wetting from the lower edge, at three time steps; line: u = "
