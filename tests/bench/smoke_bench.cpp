@@ -1,6 +1,6 @@
 /// Speed of the smoke step: a plume in an empty box, around a sphere and around sheets, at one and two threads,
 /// from 64^3 to 256^3, and of the transport of one scalar alone.
-///   bench_smoke [--benchmark_filter=REGEX]   those cases whose name holds a match
+///   bench_smoke [--benchmark_filter=REGEX] [--benchmark_list_tests]   those cases whose name holds a match
 ///
 /// For each stage: ns a cell, and the bytes that the arrays it must read and write come to once each (modelled,
 /// without caches) against the bandwidth of a triad measured in the same run.
@@ -199,23 +199,36 @@ void scalar(int n, int threads) {
 
 int main(int argc, char** argv) {
   std::string filter = ".";
+  bool only_list = false;
   const std::string option = "--benchmark_filter=";
   for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]).starts_with(option)) filter = argv[i] + option.size();
+    const std::string argument = argv[i];
+    if (argument.starts_with(option)) {
+      filter = argument.substr(option.size());
+    } else if (argument == "--benchmark_list_tests") {
+      only_list = true;
+    } else {
+      std::fprintf(stderr, "bench_smoke: unknown option %s (known: %sREGEX, --benchmark_list_tests)\n", argv[i],
+                   option.c_str());
+      return 64;
+    }
   }
   const std::regex wanted(filter);
-  const auto matches = [&](const std::string& name) { return std::regex_search(name, wanted); };
+  const auto run = [&](const std::string& name, const std::function<void()>& measure) {
+    if (!std::regex_search(name, wanted)) return;
+    if (only_list)
+      std::printf("%s\n", name.c_str());
+    else
+      measure();
+  };
   for (const int n : {64, 128, 256}) {
-    for (const int threads : {1, 2}) {
-      if (matches("scalar/n:" + std::to_string(n) + "/threads:" + std::to_string(threads))) scalar(n, threads);
-    }
-    for (const Scene scene : {Scene::empty, Scene::sphere, Scene::flat, Scene::wrinkled}) {
-      for (const Advection scalars : {Advection::conservative, Advection::maccormack}) {
+    for (const int threads : {1, 2})
+      run("scalar/n:" + std::to_string(n) + "/threads:" + std::to_string(threads), [&] { scalar(n, threads); });
+    for (const Scene scene : {Scene::empty, Scene::sphere, Scene::flat, Scene::wrinkled})
+      for (const Advection scalars : {Advection::conservative, Advection::maccormack})
         for (const int threads : {1, 2}) {
           const Case at = {n, scene, threads, scalars};
-          if (matches(at.name())) plume(at);
+          run(at.name(), [&] { plume(at); });
         }
-      }
-    }
   }
 }
