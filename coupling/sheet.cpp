@@ -272,10 +272,24 @@ void visit(StateVisitor& visitor, Sheet& sheet) {
 void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacle>& obstacles) {
   for (std::size_t n = 0; n < obstacles.size(); ++n)
     for (const Sheet& sheet : sheets) {
-      const auto inside = [&](const Vec3& x) { return sample_distance(obstacles[n], x).distance < 0.0; };
-      require(!sheet.free() || !std::all_of(sheet.state.x.begin(), sheet.state.x.end(), inside),
-              "/obstacles/" + std::to_string(n),
-              "contains the whole of shell \"" + sheet.name + "\"; move one of them");
+      if (!sheet.free()) continue;
+      std::vector<std::uint8_t> held(sheet.mesh.vertex_count(), 0);
+      for (const PinSet& pin : sheet.pins)
+        for (const std::int32_t i : pin.vertices) held[i] = 1;
+      double edge = 0.0, deepest = 0.0;
+      for (const double l : sheet.mesh.rest_length) edge += l / static_cast<double>(sheet.mesh.rest_length.size());
+      std::size_t inside = 0;
+      for (std::size_t i = 0; i < held.size(); ++i) {
+        const double depth = -sample_distance(obstacles[n], sheet.state.x[i]).distance;
+        if (held[i] != 0 || !(depth > 0.0)) continue;
+        ++inside;
+        deepest = std::max(deepest, depth);
+      }
+      // Less than half an edge is undone at the first contact; what lies deeper would be torn apart, some of it to
+      // one side of the obstacle and some to the other.
+      require(!(deepest > 0.5 * edge), "/obstacles/" + std::to_string(n),
+              "holds " + std::to_string(inside) + " vertices of shell \"" + sheet.name + "\" at the start, up to " +
+                  std::to_string(deepest) + " m deep (a sheet cannot start across an obstacle) move one of them");
     }
 }
 

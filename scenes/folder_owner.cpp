@@ -81,8 +81,7 @@ void require_own_files(const RunFolder& folder, const FolderClaim& claim) {
   for (const int frame : checkpoint_frames(folder.checkpoints()))
     require_written_by_run(folder.checkpoints() / checkpoint_name(frame), ours);
   require_written_by_run(folder.scene(), is_effective_scene(folder.scene(), claim.scene_text, record));
-  // Told to begin anew, a run replaces frames of its own names whoever made them.
-  if (ours || claim.restart) return;
+  if (ours) return;
   for (const fs::path& file : folder.frames_of(claim.scene)) require_written_by_run(file, false);
 }
 

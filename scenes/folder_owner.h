@@ -11,7 +11,6 @@ struct FolderClaim {
   const Scene& scene;
   std::filesystem::path scene_path;  ///< of the scene file that is being run
   std::string scene_text;            ///< the effective scene, as scene.json is going to be
-  bool restart = false;
 };
 
 /// Throws Refusal (output_cannot_be_made) where the run would replace a file that no run wrote, the scene file

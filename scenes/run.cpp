@@ -61,7 +61,7 @@ class Run {
     const FolderLock lock(folder_.root);
     folder_.require_free_names();
     const std::string text = effective_file(scene_, folder_.root);
-    require_own_files(folder_, {scene_, options_.scene, text, options_.restart});
+    require_own_files(folder_, {scene_, options_.scene, text});
     record_.scene_file_sha256 = sha256(text);
     folder_.tidy();
     if (options_.restart) folder_.clear(scene_);

@@ -234,6 +234,8 @@ bool TriangleContact::push_point(const Touch& touch, double start, double h, std
   Vec3 p = Vec3::Zero(), old = Vec3::Zero();
   double mobility = 0.0;
   for (int k = 0; k < 3; ++k) {
+    // A held corner is a lever: beside it the others would be thrown by many times the depth.
+    if (!(position[v[k]].w > 0.0)) return false;
     p += touch.weight[k] * vector(position[v[k]]);
     old += touch.weight[k] * vector(previous[v[k]]);
     mobility += position[v[k]].w * touch.weight[k] * touch.weight[k];

@@ -40,6 +40,8 @@ TEST(Refused, SheetsInsideAnObstacle) {
       {.name = "block", .kind = ObstacleKind::box, .lower = Vec3::Constant(-9), .upper = Vec3::Constant(9)});
   EXPECT_EQ(pointer_of_refusal(params), "/obstacles/0");
   params.obstacles[0].upper = Vec3(0.5, 9, 9);  // half of the sheet looks out
+  EXPECT_EQ(pointer_of_refusal(params), "/obstacles/0");
+  params.obstacles[0].upper = Vec3(9, 9, 0.51);  // a floor a little too high
   EXPECT_EQ(pointer_of_refusal(params), "accepted");
 }
 

@@ -184,6 +184,34 @@ TEST(TriangleContact, TakesAnImpulseThroughThePointThatIsHit) {
   EXPECT_LT((about(contact) - before).norm(), 0.05 * before.norm());
 }
 
+TEST(TriangleContact, APinInsideAnObstacleThrowsNothing) {
+  // A ball rises through the pinned middle of a sheet, and a box through its pinned corners.
+  for (const bool ball : {true, false}) {
+    ShellParams params;
+    Sheet sheet(equilateral(21, 23, 0.02), params);
+    const Vec3 middle = sheet.mesh.rest[sheet.mesh.vertex_count() / 2];
+    sheet.pin_where([&](const Vec3& x) {
+      return ball ? (x - middle).norm() < 0.015 : (x - sheet.mesh.rest[0]).norm() < 0.015 || x.x() > 0.39;
+    });
+    Obstacle obstacle;
+    obstacle.velocity = Vec3(0, 0, 0.5);
+    if (ball)
+      obstacle.shape = SphereShape{middle - Vec3(0, 0, 0.2), 0.1};
+    else
+      obstacle.shape = BoxShape{Vec3(-1, -1, -0.3), Vec3(1, 1, -0.1)};
+    sheet.obstacles.push_back(obstacle);
+    sheet.gravity = Vec3(0, 0, -9.81);
+    double fastest = 0.0, highest = 0.0;
+    for (int k = 0; k < 40; ++k) {  // until the obstacle is a third of the sheet beyond the pins
+      fastest = std::max(fastest, sheet.step(1.0 / 60.0).max_speed);
+      sheet.obstacles[0].displacement += obstacle.velocity / 60.0;
+      for (const Vec3& x : sheet.state.x) highest = std::max(highest, x.norm());
+    }
+    EXPECT_LT(fastest, 20.0) << ball;
+    EXPECT_LT(highest, 1.5) << ball;
+  }
+}
+
 TEST(TriangleContact, IsTheSameAtOneAndTwoThreads) {
   std::uint64_t hash[2];
   for (const int threads : {1, 2}) {
