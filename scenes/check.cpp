@@ -9,6 +9,7 @@
 #include "scenes/disk_estimate.h"
 #include "scenes/effective_scene.h"
 #include "scenes/machine.h"
+#include "scenes/preview_gas.h"
 #include "scenes/run.h"
 
 namespace wick::scenes {
@@ -43,6 +44,11 @@ std::vector<MemoryShare> memory_shares(const Scene& scene) {
   const Int2& size = scene.output.preview.size;
   if (scene.output.preview.write)
     shares.push_back({"/output/preview/size", preview_bytes_per_pixel * size[0] * size[1], "make it smaller"});
+  if (scene.output.preview.write && scene.world.smoke) {
+    const Int3& n = scene.world.smoke->resolution;
+    shares.push_back(
+        {"/smoke/resolution", preview_gas_bytes_per_cell * n[0] * n[1] * n[2], "lower the resolution"});
+  }
   return shares;
 }
 

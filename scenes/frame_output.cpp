@@ -5,7 +5,6 @@
 #include "scenes/checkpoint.h"
 #include "scenes/mesh_output.h"
 #include "scenes/motion_output.h"
-#include "scenes/preview.h"
 
 namespace wick::scenes {
 
@@ -39,10 +38,9 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
       output.files.emplace_back(folder.motion_frame(scene.output, view.name, world.frame()),
                                 motion_frame(view, world.frame(), world.time()));
   if (scene.output.preview.write) {
-    const Picture picture = draw_preview(scene.output.preview, world.shells(), world.obstacles(), smoke,
-                                         scene.world.smoke ? &*scene.world.smoke : nullptr);
-    const std::vector<char> png = encode_png(picture);
-    output.files.emplace_back(folder.preview(scene.output, world.frame()), Bytes(png.begin(), png.end()));
+    output.preview_path = folder.preview(scene.output, world.frame());
+    output.preview = draw_preview(scene.output.preview, world.shells(), world.obstacles(), smoke,
+                                  scene.world.smoke ? &*scene.world.smoke : nullptr);
   }
   return output;
 }
@@ -55,6 +53,10 @@ double write_outputs(const FrameOutput& output, const OutputParams& params, cons
   };
   if (output.volume) write(output.volume_path, smoke_vdb(*output.volume, params.volume, params.up_axis));
   for (const auto& [path, bytes] : output.files) write(path, bytes);
+  if (output.preview) {
+    const std::vector<char> png = encode_png(*output.preview);
+    write(output.preview_path, Bytes(png.begin(), png.end()));
+  }
   if (!output.metrics.empty()) {
     write_file(folder.metrics(), output.metrics);
     write_file(folder.manifest(), manifest.text());

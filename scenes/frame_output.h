@@ -8,6 +8,7 @@
 #include "coupling/world.h"
 #include "scenes/atomic_file.h"
 #include "scenes/manifest.h"
+#include "scenes/preview.h"
 #include "scenes/run_folder.h"
 #include "scenes/volume_output.h"
 
@@ -17,10 +18,12 @@ struct FrameOutput {
   int frame = 0;
   std::filesystem::path volume_path;
   std::optional<VolumeFrame> volume;
-  std::vector<std::pair<std::filesystem::path, Bytes>> files;  ///< complete: meshes, preview
-  Bytes metrics;                                               ///< empty: between frames
-  Bytes checkpoint;                                            ///< empty: none in this frame
-  double checkpoint_seconds = 0.0;                             ///< that making it took
+  std::vector<std::pair<std::filesystem::path, Bytes>> files;  ///< complete: meshes, motion
+  std::filesystem::path preview_path;
+  std::optional<Picture> preview;
+  Bytes metrics;                    ///< empty: between frames
+  Bytes checkpoint;                 ///< empty: none in this frame
+  double checkpoint_seconds = 0.0;  ///< that making it took
 };
 
 /// Copies of the fields and the finished meshes of the world's present frame.
