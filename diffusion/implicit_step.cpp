@@ -34,7 +34,7 @@ void DiffusionSolver::Impl::build_edges(const DiffusionInput& in, const Operator
   build_operator(mesh, graph, wanted, current ? *in.x : mesh.rest, current ? corner : rest_corner, *in.mass, op);
 }
 
-/// A = S + dt α L + S/M dt (K_loss + K_supply), in place.
+/// A = S + dt α L + S/M dt (K_loss + K_supply) + S toll, in place.
 void DiffusionSolver::Impl::build_matrix(const DiffusionInput& in, double dt) {
   const Values& mass = *in.mass;
   if (params.model == Model::tensor) {
@@ -50,14 +50,16 @@ void DiffusionSolver::Impl::build_matrix(const DiffusionInput& in, double dt) {
   constexpr double stiffest = 1e10;
   extra.assign(mass.size(), 0.0);
   parallel_for(mass.size(), chunk, [&](std::size_t i) {
-    if (mass[i] <= 0.0 || (loss[i] == 0.0 && supply[i] == 0.0)) return;
+    if (mass[i] <= 0.0) return;
+    if (exchanging && !toll.empty()) extra[i] = op.storage[i] * toll[i];
+    if (loss[i] == 0.0 && supply[i] == 0.0) return;
     const double q = op.storage[i] / mass[i];
     double row = op.storage[i];
     for (std::int32_t k = graph.offset[i]; k < graph.offset[i + 1]; ++k)
       row += dt * params.alpha * std::abs(op.edge[graph.entry_edge[k]]);
     loss[i] = std::min(loss[i], stiffest * row / q);
     supply[i] = std::min(supply[i], stiffest * row / q);
-    extra[i] = q * (loss[i] + supply[i]);
+    extra[i] += q * (loss[i] + supply[i]);
   });
 }
 
@@ -76,7 +78,8 @@ void DiffusionSolver::Impl::sharpen(const Values& u) {
   });
 }
 
-/// Eq (8a): the implicit step with supply and loss; u_star enters as the guess.
+/// Eq (8a), the implicit step with supply and loss, and C with its toll where they go through it; u_star enters as
+/// the guess.
 void DiffusionSolver::Impl::diffuse(const Values& u, const DiffusionInput& in, double dt, Values& u_star,
                                     DiffusionReport& report) {
   const Values& mass = *in.mass;
@@ -94,9 +97,10 @@ void DiffusionSolver::Impl::diffuse(const Values& u, const DiffusionInput& in, d
     if (sharp) sharpen(u_star);
     assemble(graph, op, dt * params.alpha, extra, edge_factor, matrix);
     parallel_for(u.size(), chunk, [&](std::size_t i) {
-      rhs[i] = matrix.storage[i] * u[i] + unit(mass, i) * (amount[i] + supply[i] * at(in.supply_value, i));
+      const double gain = exchanging ? c_front[i] : 0.0;
+      rhs[i] = matrix.storage[i] * (u[i] + gain) + unit(mass, i) * (amount[i] + supply[i] * at(in.supply_value, i));
     });
-    note(report, solver.solve(matrix, rhs, params.tolerance, u_star), false);
+    note(report, solver.solve(matrix, rhs, params.tolerance, u_star));
   }
   close_budget(u, in, u_star, report);
 }
@@ -142,7 +146,8 @@ void DiffusionSolver::Impl::close_supplied(std::span<const std::int32_t> members
   CompensatedSum gained, found, rates;
   for (const std::int32_t i : members) {
     const double q = unit(mass, i);
-    const double balance = matrix.storage[i] * (u_star[i] - u[i]) + q * (loss[i] * u_star[i] - amount[i]);
+    const double gain = exchanging ? c_front[i] - (toll.empty() ? 0.0 : toll[i] * u_star[i]) : 0.0;
+    const double balance = matrix.storage[i] * (u_star[i] - u[i] - gain) + q * (loss[i] * u_star[i] - amount[i]);
     gained.add(balance);
     if (supply[i] == 0.0 || q == 0.0) continue;
     const double outflow = diffusive_outflow(matrix, u_star, static_cast<std::size_t>(i));

@@ -19,6 +19,9 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 /// one.
 constexpr double spacing_of_radius = 0.5, reach_of_spacing = 1.5;
 
+/// Ways along the edges of a mesh are longer than straight ones by up to a third or so.
+constexpr double way_of_reach = 1.4;
+
 /// Vertices by distance along the edges from one of them.
 struct Walk {
   const solid::ShellMesh& mesh;
@@ -50,24 +53,90 @@ struct Walk {
   }
 };
 
-/// Hats of the patches: a net of seeds no nearer to each other than `spacing`, in the order of the vertices.
+/// The cell of each vertex in a grid of about the given spacing that divides the sheet's box evenly, so that no
+/// cell is cut short at its sides.
+std::vector<Eigen::Vector3i> cells_of(const solid::ShellMesh& mesh, const Values& area, double spacing) {
+  constexpr double most = 1e6;  // cells along an axis
+  Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
+  for (std::size_t i = 0; i < area.size(); ++i)
+    if (area[i] > 0.0) low = low.cwiseMin(mesh.rest[i]), high = high.cwiseMax(mesh.rest[i]);
+  const Vec3 extent = (high - low).cwiseMax(1e-300);
+  const Vec3 count = (extent / spacing).array().round().max(1.0).min(most);
+  std::vector<Eigen::Vector3i> cell(area.size(), Eigen::Vector3i::Zero());
+  for (std::size_t i = 0; i < area.size(); ++i)
+    if (area[i] > 0.0)
+      cell[i] = (mesh.rest[i] - low)
+                    .cwiseQuotient(extent)
+                    .cwiseProduct(count)
+                    .cwiseMin(count - Vec3::Constant(0.5))
+                    .cast<int>();
+  return cell;
+}
+
+/// Where a patch has its peak, and the vertex next to it.
+struct Seed {
+  Vec3 middle;
+  std::int32_t vertex;
+};
+
+/// One seed in the middle of each connected piece of the sheet in a cell, which hardly moves as the mesh is
+/// refined. Slivers get none.
+std::vector<Seed> seeds_by_cell(const solid::ShellMesh& mesh, const SheetGraph& graph, const Values& area,
+                                double spacing) {
+  const std::vector<Eigen::Vector3i> cell = cells_of(mesh, area, spacing);
+  std::vector<std::uint8_t> taken(area.size(), 0);
+  std::vector<Seed> seeds;
+  std::vector<std::int32_t> piece;
+  for (std::size_t start = 0; start < area.size(); ++start) {
+    if (taken[start] != 0 || area[start] <= 0.0) continue;
+    piece.assign(1, static_cast<std::int32_t>(start));
+    taken[start] = 1;
+    double sum = 0.0;
+    Vec3 moment = Vec3::Zero();
+    for (std::size_t p = 0; p < piece.size(); ++p) {
+      const std::int32_t i = piece[p];
+      sum += area[i];
+      moment += area[i] * mesh.rest[i];
+      for (std::int32_t k = graph.offset[i]; k < graph.offset[i + 1]; ++k) {
+        const std::int32_t j = graph.column[k];
+        if (taken[j] != 0 || area[j] <= 0.0 || cell[j] != cell[i]) continue;
+        taken[j] = 1;
+        piece.push_back(j);
+      }
+    }
+    if (sum < 0.25 * spacing * spacing) continue;
+    const Vec3 middle = moment / sum;
+    const auto nearest = std::min_element(piece.begin(), piece.end(), [&](std::int32_t i, std::int32_t j) {
+      return (mesh.rest[i] - middle).squaredNorm() < (mesh.rest[j] - middle).squaredNorm();
+    });
+    seeds.push_back({middle, *nearest});
+  }
+  return seeds;
+}
+
+/// Hats of the patches: one around each seed, and more where vertices are further than `spacing` from all of them.
 Sparse build_hats(const solid::ShellMesh& mesh, const SheetGraph& graph, const Values& area, double spacing) {
   const double reach = reach_of_spacing * spacing;
   Values nearest(area.size(), INFINITY), sum(area.size(), 0.0);
   Walk walk{.mesh = mesh, .graph = graph};
   Triplets entries;
   int patches = 0;
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    if (area[i] <= 0.0 || nearest[i] < spacing) continue;
-    walk.from(static_cast<std::int32_t>(i), reach);
+  const auto add_patch = [&](const Seed& seed) {
+    // Ways along the edges tell what hangs together, straight ones how far it is: they do not depend on the mesh.
+    walk.from(seed.vertex, way_of_reach * reach);
     for (const std::int32_t j : walk.reached) {
-      const double q = walk.distance[j] / reach, hat = (1.0 - q * q) * (1.0 - q * q);
-      nearest[j] = std::min(nearest[j], walk.distance[j]);
+      const double q = j == seed.vertex ? 0.0 : (mesh.rest[j] - seed.middle).norm() / reach;
+      if (q >= 1.0) continue;
+      const double hat = (1.0 - q * q) * (1.0 - q * q);
+      nearest[j] = std::min(nearest[j], q * reach);
       sum[j] += hat;
       entries.emplace_back(j, patches, hat);
     }
     ++patches;
-  }
+  };
+  for (const Seed& seed : seeds_by_cell(mesh, graph, area, spacing)) add_patch(seed);
+  for (std::size_t i = 0; i < area.size(); ++i)
+    if (area[i] > 0.0 && nearest[i] >= spacing) add_patch({mesh.rest[i], static_cast<std::int32_t>(i)});
   Sparse hats(static_cast<Eigen::Index>(area.size()), patches);
   hats.setFromTriplets(entries.begin(), entries.end());
   parallel_for(area.size(), chunk, [&](std::size_t i) {

@@ -5,8 +5,9 @@
 ///   K ≈ (A + R² L)^-1,   A areas and L the cotan Laplacian of the rest shape
 ///
 /// is smooth over R, so it is solved for on patches half of R apart: K = P (Pᵀ (A + R² L) P)^-1 Pᵀ, with P the
-/// patches' hats, which sum to 1 at each vertex [Shepard 1968]. K is symmetric and keeps constants, K A 1 = 1,
-/// whatever the patches: amounts that are moved with it are kept exactly. The factor lasts as long as the topology.
+/// patches' hats, which sum to 1 at each vertex [Shepard 1968]. They are laid out by place, not by vertex, so that
+/// K converges as the mesh is refined. K is symmetric and keeps constants, K A 1 = 1, whatever the patches: amounts
+/// that are moved with it are kept exactly. The factor lasts as long as the topology.
 #include <memory>
 #include <vector>
 

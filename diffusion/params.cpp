@@ -103,7 +103,8 @@ void describe_front(ParameterVisitor& v, DiffusionParams& p) {
       {"order",
        "",
        {},
-       "strain added inside the diffusion (converges) or after it [Kim 2017, Eq 8c] (ragged, depends on the step)"},
+       "inside: strain and what pays for it are rates, solved for together with the diffusion (converges); after: "
+       "added and rescaled when it is done [Kim 2017, Eqs 8c-8g] (ragged, depends on the step)"},
       p.order, order_names);
   v.choice(
       {"scope",

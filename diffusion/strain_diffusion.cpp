@@ -15,8 +15,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+double seconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
 }
 
 template <class T>
@@ -71,32 +71,35 @@ DiffusionReport DiffusionSolver::step(std::vector<double>& u, const DiffusionInp
   report.before = amount_of(u);
   s.follow_topology(*input.mesh);
 
-  // (8a) supply and diffusion.
+  // (8a) supply and diffusion, with C and what pays for it where they are rates.
   const auto start = Clock::now();
+  s.exchanging = s.plan_exchange(input, dt, u);
+  const auto planned = Clock::now();
   s.book_external(u, input, dt, report);
   const double refused = report.excess;
   Values& u_star = s.spread_u;
   u_star = u;
   s.spread(u, input, dt, u_star, report);
-  if (!moves_along_edges(s.params.model) && s.params.discretisation != Operator::cotan)
-    report.drift = amount_of(u_star) - (report.before + report.supplied - refused - report.lost);
-  report.sigma_source = report.drift;
-  report.seconds_solve = seconds_since(start);
+  const auto spread = Clock::now();
 
   // (8b)-(8g) strain on the front, rescaled to the total.
-  const auto middle = Clock::now();
-  s.add_strain(input, dt, u_star, report);
-  if (s.params.model == Model::strain_unconstrained)
-    s.add_everywhere(input, u_star, u, report);
-  else
+  if (s.exchanging) {
+    s.settle_exchange(input, dt, u_star, u, report);
+  } else {
+    if (!moves_along_edges(s.params.model) && s.params.discretisation != Operator::cotan)
+      report.drift = amount_of(u_star) - (report.before + report.supplied - refused - report.lost);
+    report.sigma_source = report.drift;
     s.redistribute(input, dt, u_star, u, report);
+  }
+  report.seconds_solve = seconds_between(planned, spread);
+  report.seconds_strain = seconds_between(start, planned) + seconds_between(spread, Clock::now());
+  report.front_vertices = s.count_front(input);
 
   // Cut what no projection has seen: Eq (7), and vertices of no triangle.
   if (input.capacity > 0.0)
     for (std::size_t i = 0; i < u.size(); ++i)
       if (u[i] > input.capacity) report.excess += mass[i] * (u[i] - input.capacity), u[i] = input.capacity;
   report.after = amount_of(u);
-  report.seconds_strain = seconds_since(middle);
   if (!std::isfinite(report.after))
     throw Refusal(ExitCode::numerical_failure, "/diffusion/sigma",
                   "the total of u overflowed (sigma creates too much) reduce sigma or the run");

@@ -7,6 +7,12 @@
 ///   (8c)  v = u* + C on the front u_min <= u* <= u_max, v = u* elsewhere
 ///   (8d-g) u = v * (sigma U* / sum M v), over the chosen scope, then the capacity
 ///
+/// So as printed (order after). The default (order inside) is its limit for short steps, where C = dt kappa c and
+/// r = 1 / (1 + toll): gain and toll are rates of the same implicit step, with the front that it begins with,
+///   (M + dt alpha Ls + dt K_loss + dt K_supply + M toll) u = M u_old + M C + dt K_supply u_src + f,
+///   toll = w K(M C / D),  D = K(M u_old w),  K the sum or the mean over the scope, w what pays: sum M C = sum M
+///   toll u.
+///
 /// u is intensive (saturation, or temperature over ambient in units of the ignition range), M_i = amount that
 /// vertex i holds at u = 1 [kg or J].
 #include <memory>
@@ -35,7 +41,7 @@ enum class Metric { rest, current };
 enum class Measure { invariant, orthotropic };
 enum class Reference { original, current };
 enum class Gain { density, literal };
-enum class Order { inside, after };  // C through the same solve, or after it (8c)
+enum class Order { inside, after };  // C and its toll through the solve (8a), or after it (8c-8g)
 enum class SigmaMode { rate, per_step, influx };
 enum class Total { area, plain };
 enum class Scope { global, component, front, local, local_front };

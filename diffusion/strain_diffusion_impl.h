@@ -32,8 +32,11 @@ struct DiffusionSolver::Impl {
   SheetOperator op;
   SheetMatrix matrix;
   Values loss, supply, amount, given;  ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
-  Values c, c_front, strain;
-  Values front;  ///< how far each vertex belongs to it
+  Values c, c_front, strain;           ///< C, its part on the front, S per triangle
+  Values front;                        ///< how far each vertex belongs to it
+  Values toll;                         ///< share of u paid for C within the solve; empty: nothing is
+  bool strained = false;               ///< there is C to add
+  bool exchanging = false;             ///< C and toll go through the solve of this step
 
   explicit Impl(const DiffusionParams& p) : params(p) {}
 
@@ -50,23 +53,24 @@ struct DiffusionSolver::Impl {
   void close_budget(const Values& u, const DiffusionInput& in, Values& u_star, DiffusionReport& report);
   void close_supplied(std::span<const std::int32_t> members, const Values& u, const Values& mass,
                       const Values& u_star);
-  void add_strain(const DiffusionInput& in, double dt, const Values& u_star, DiffusionReport& report);
+  bool find_strain(const DiffusionInput& in, double dt);
+  void mask_strain(const DiffusionInput& in, const Values& u);
+  Kernel make_kernel(const DiffusionInput& in);
+  Values toll_for(const DiffusionInput& in, const Values& u, const Kernel& kernel) const;
+  bool plan_exchange(const DiffusionInput& in, double dt, const Values& u);
+  void settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u, DiffusionReport& report);
   void redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
-  void add_everywhere(const DiffusionInput& in, const Values& u_star, Values& u, DiffusionReport& report);
-  Kernel make_kernel(const solid::ShellMesh& mesh);
-
-  /// C is a small part of u, and the totals are made exact afterwards: two digits less are enough.
-  double increment_tolerance() const { return 100.0 * params.tolerance; }
+  void settle_total(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
+  std::size_t count_front(const DiffusionInput& in) const;
 
   /// Storage per unit of M: 1 for cotan, whose storage is M itself.
   double unit(const Values& mass, std::size_t i) const { return mass[i] > 0.0 ? matrix.storage[i] / mass[i] : 0.0; }
 
-  /// Adds up the work of all solves; residuals are those of Eq (8a).
-  static void note(DiffusionReport& report, const SolveReport& solve, bool increment) {
+  /// Adds up the work of all sweeps; residuals are those of the last.
+  static void note(DiffusionReport& report, const SolveReport& solve) {
     report.solve.iterations += solve.iterations;
     report.solve.converged = report.solve.converged && solve.converged;
     report.solve.seconds += solve.seconds;
-    if (increment) return;
     report.solve.residual_before = solve.residual_before;
     report.solve.residual_after = solve.residual_after;
     report.solve.rhs_sum = solve.rhs_sum;

@@ -9,6 +9,22 @@ namespace wick::diffusion {
 
 namespace {
 
+/// C of one step is at most this many times the largest u: beyond, u takes the shape of C all the same.
+constexpr double most_strain = 1e8;
+/// Less than this of the largest u is rounding: rigid motion leaves the isotropic result bit for bit.
+constexpr double least_strain = 1e-16;
+/// The toll is at most this: it is dear where C lies in surroundings that hold next to nothing.
+constexpr double highest_toll = 1e100;
+
+/// 0 where all are negative.
+double largest(const Values& values) {
+  return parallel_max(values.size(), chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+    double most = 0.0;
+    for (std::size_t i = begin; i < end; ++i) most = std::max(most, values[i]);
+    return most;
+  });
+}
+
 /// Whether a model adds C; the others only report it.
 bool adds_strain(Model model) {
   return model == Model::strain_constrained || model == Model::strain_unconstrained || model == Model::noise ||
@@ -17,37 +33,109 @@ bool adds_strain(Model model) {
 
 }  // namespace
 
-/// C of each vertex, through the same solve when the order asks for it.
-void DiffusionSolver::Impl::add_strain(const DiffusionInput& in, double dt, const Values& u_star,
-                                       DiffusionReport& report) {
+/// C of each vertex; false where there is none to add.
+bool DiffusionSolver::Impl::find_strain(const DiffusionInput& in, double dt) {
   triangle_strain(params, *in.mesh, *in.x, in.rest_scale, strain);
   vertex_strain(params, *in.mesh, strain, dt, c);
   apply_noise(params, *in.mesh, dt, c);
   c_front.assign(c.size(), 0.0);
-  const auto largest = [&](std::size_t begin, std::size_t end) {
-    return *std::max_element(c.begin() + static_cast<std::ptrdiff_t>(begin),
-                             c.begin() + static_cast<std::ptrdiff_t>(end));
-  };
-  if (!adds_strain(params.model) || parallel_max(c.size(), chunk, 0.0, largest) <= 0.0) return;
-  if (params.order == Order::inside) {
-    parallel_for(c.size(), chunk, [&](std::size_t i) {
-      rhs[i] = matrix.storage[i] * c[i];
-      c_front[i] = c[i];
-    });
-    note(report, solver.solve(matrix, rhs, increment_tolerance(), c_front), true);
-  }
-  const Values& added = params.order == Order::inside ? c_front : c;
+  front.assign(c.size(), 0.0);
+  toll.clear();
+  return adds_strain(params.model) && largest(c) > 0.0;
+}
+
+/// The front of the values u, and C on it. Without a front, Eq (7), C is added wherever there is sheet.
+void DiffusionSolver::Impl::mask_strain(const DiffusionInput& in, const Values& u) {
+  const bool everywhere = params.model == Model::strain_unconstrained;
+  if (!everywhere) front = front_band(params, u, in.fraction_left);
   parallel_for(c.size(), chunk, [&](std::size_t i) {
-    c_front[i] = (*in.mass)[i] <= 0.0 || u_star[i] < 0.0 ? 0.0 : std::max(added[i], 0.0);
+    const bool held = (*in.mass)[i] > 0.0 && u[i] >= 0.0;
+    c_front[i] = held ? std::max(c[i], 0.0) * (everywhere ? 1.0 : front[i]) : 0.0;
   });
 }
 
-/// K on the rest shape, the same until the topology changes.
-Kernel DiffusionSolver::Impl::make_kernel(const solid::ShellMesh& mesh) {
+std::size_t DiffusionSolver::Impl::count_front(const DiffusionInput& in) const {
+  return static_cast<std::size_t>(parallel_sum(front.size(), chunk, [&](std::size_t begin, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += front[i] > 0.0 && (*in.mass)[i] > 0.0 ? 1 : 0;
+    return static_cast<double>(count);
+  }));
+}
+
+/// What a vertex pays for C in its surroundings, as a share of what it holds: w K(M C / D) with D = K(M u w), so
+/// that Σ M C = Σ M toll u over every scope. w is the front, or 1 where the scope takes from all.
+Values DiffusionSolver::Impl::toll_for(const DiffusionInput& in, const Values& u, const Kernel& kernel) const {
+  const Values& mass = *in.mass;
+  const bool front_pays = params.scope == Scope::front || params.scope == Scope::local_front;
+  Values right(u.size());
+  parallel_for(u.size(), chunk, [&](std::size_t i) { right[i] = mass[i] * u[i] * (front_pays ? front[i] : 1.0); });
+  const Values nearby = kernel(right);
+  parallel_for(u.size(), chunk, [&](std::size_t i) {
+    right[i] = nearby[i] > 0.0 ? mass[i] * std::min(c_front[i] / nearby[i], highest_toll) : 0.0;
+  });
+  Values result = kernel(right);
+  parallel_for(u.size(), chunk, [&](std::size_t i) { result[i] *= front_pays ? front[i] : 1.0; });
+  return result;
+}
+
+/// C and its toll as rates of the step that begins with u: both go through the solve of Eq (8a). False without any.
+bool DiffusionSolver::Impl::plan_exchange(const DiffusionInput& in, double dt, const Values& u) {
+  strained = find_strain(in, dt);
+  if (!strained || params.order != Order::inside) return false;
+  mask_strain(in, u);
+  if (params.model == Model::strain_unconstrained) return true;
+  const double top = largest(u);
+  if (!(largest(c_front) > least_strain * top)) return strained = false;
+  for (double& gain : c_front) gain = std::min(gain, most_strain * top);
+  toll = toll_for(in, u, make_kernel(in));
+  return true;
+}
+
+/// Ends a step whose exchange went through the solve: v is its result. The toll was taken with the holdings of the
+/// beginning; what this leaves open is made good where it arose, then the totals are made exact.
+void DiffusionSolver::Impl::settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u,
+                                            DiffusionReport& report) {
+  const Values& mass = *in.mass;
+  report.strain_added = sum_of(v.size(), [&](std::size_t i) { return mass[i] * c_front[i]; });
+  if (toll.empty()) {
+    report.sigma_source += report.strain_added;
+    u = v;
+    return;
+  }
+  const Values due = toll_for(in, v, make_kernel(in));
+  Values& budget = rhs;  // u without the exchange, as Eq (8d) counts it
+  parallel_for(v.size(), chunk, [&](std::size_t i) {
+    budget[i] = mass[i] > 0.0 ? u[i] + (given[i] - loss[i] * v[i]) / mass[i] : u[i];
+    u[i] = v[i] * std::max(0.0, 1.0 + (toll[i] - due[i]));
+  });
+  c_front.assign(v.size(), 0.0);
+  const bool plain = params.total == Total::plain;
+  if (plain) {
+    const double created = sum_of(v.size(), [&](std::size_t i) { return mass[i] * (v[i] - budget[i]); });
+    report.drift += created;
+    report.sigma_source += created;
+  }
+  settle_total(in, dt, plain ? v : budget, u, report);
+  report.rescale = std::min(report.rescale, 1.0 / (1.0 + largest(due)));
+}
+
+/// K of the scope: the mean over each vertex's surroundings, or the sum over its component or the whole sheet.
+Kernel DiffusionSolver::Impl::make_kernel(const DiffusionInput& in) {
+  if (params.scope != Scope::local && params.scope != Scope::local_front) {
+    const VertexGroups& groups = params.scope == Scope::global ? graph.whole : graph.components;
+    return [&groups](const Values& right) {
+      Values result(right.size(), 0.0);
+      for (std::size_t g = 0; g < groups.count(); ++g) {
+        const double sum = sum_over(groups[g], [&](std::size_t i) { return right[i]; });
+        for (const std::int32_t i : groups[g]) result[i] = sum;
+      }
+      return result;
+    };
+  }
   if (!neighbourhood) {
     SheetOperator geometry;
-    build_operator(mesh, graph, {}, mesh.rest, rest_corner, mesh.vertex_area, geometry);
-    neighbourhood = std::make_unique<Neighbourhood>(mesh, graph, geometry, params.scope_radius);
+    build_operator(*in.mesh, graph, {}, in.mesh->rest, rest_corner, in.mesh->vertex_area, geometry);
+    neighbourhood = std::make_unique<Neighbourhood>(*in.mesh, graph, geometry, params.scope_radius);
   }
   return [this](const Values& right) {
     Values result = neighbourhood->average(right);
@@ -56,32 +144,26 @@ Kernel DiffusionSolver::Impl::make_kernel(const solid::ShellMesh& mesh) {
   };
 }
 
-/// Eq (7): C everywhere, no front, no rescaling.
-void DiffusionSolver::Impl::add_everywhere(const DiffusionInput& in, const Values& u_star, Values& u,
-                                           DiffusionReport& report) {
+/// Eqs (8b)-(8g) after the diffusion; Eq (7) where there is no front.
+void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u,
+                                         DiffusionReport& report) {
   const Values& mass = *in.mass;
+  mask_strain(in, u_star);
+  if (!strained) c_front.assign(u.size(), 0.0);
+  parallel_for(u.size(), chunk, [&](std::size_t i) { u[i] = u_star[i] + c_front[i]; });
   report.strain_added = sum_of(u.size(), [&](std::size_t i) { return mass[i] * c_front[i]; });
-  report.sigma_source += report.strain_added;
-  for (std::size_t i = 0; i < u.size(); ++i) u[i] = u_star[i] + c_front[i];
+  if (params.model == Model::strain_unconstrained)
+    report.sigma_source += report.strain_added;
+  else
+    settle_total(in, dt, u_star, u, report);
 }
 
-/// Eqs (8b)-(8g).
-void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u,
+/// Brings the total of u to its target, Eqs (8d)-(8g); that of u* is what the target counts from.
+void DiffusionSolver::Impl::settle_total(const DiffusionInput& in, double dt, const Values& u_star, Values& u,
                                          DiffusionReport& report) {
   const Values& mass = *in.mass;
   const std::size_t n = u.size();
   const bool plain = params.total == Total::plain;
-  front = front_band(params, u_star, in.fraction_left);
-  parallel_for(n, chunk, [&](std::size_t i) {
-    c_front[i] *= front[i];
-    u[i] = u_star[i] + c_front[i];
-  });
-  report.front_vertices = static_cast<std::size_t>(parallel_sum(n, chunk, [&](std::size_t begin, std::size_t end) {
-    std::size_t count = 0;
-    for (std::size_t i = begin; i < end; ++i) count += front[i] > 0.0 && mass[i] > 0.0 ? 1 : 0;
-    return static_cast<double>(count);
-  }));
-  report.strain_added = sum_of(n, [&](std::size_t i) { return mass[i] * c_front[i]; });
   Values supplied;
   if (plain) {
     supplied = given;
@@ -100,7 +182,7 @@ void DiffusionSolver::Impl::redistribute(const DiffusionInput& in, double dt, co
                            .capacity = in.capacity,
                            .dt = dt};
   const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
-  const RescaleResult result = rescale(params, input, local ? make_kernel(*in.mesh) : Kernel(), u);
+  const RescaleResult result = rescale(params, input, local ? make_kernel(in) : Kernel(), u);
   report.rescale = result.rescale;
   if (!plain) {
     report.excess += result.excess;

@@ -55,6 +55,40 @@ TEST(Convergence, DefaultFormsHalveTheirChangeWithTheStep) {
   }
 }
 
+TEST(Convergence, RestDoesNotDependOnTheStep) {
+  // Where gain, toll and diffusion balance, the step has no say; added after the diffusion, C would still show as
+  // it is added, diffused or not. The source is a line, the other end loses, so that the front comes to rest.
+  Sheet s(testing::sheet(41, 41));
+  s.x = testing::crumple(s.mesh, 0.02);
+  Values rate(s.mass.size(), 0.0), value(s.mass.size(), 1.0), loss(s.mass.size(), 0.0);
+  for (std::size_t i = 0; i < rate.size(); ++i) {
+    if (s.mesh.rest[i].x() == 0.0) rate[i] = 1e9 * s.mass[i];
+    loss[i] = 2.0 * s.mass[i];
+  }
+  DiffusionInput in = s.input();
+  in.supply_rate = &rate;
+  in.supply_value = &value;
+  in.loss = &loss;
+  for (const Scope scope : {Scope::local_front, Scope::front, Scope::global}) {
+    DiffusionParams p = make_preset(Preset::wetting);
+    p.scope = scope;
+    p.gain = 2000.0;
+    p.u_min = 1e-6;  // no vertex near the ends of the front: the hard switch there has no rest
+    p.u_max = 2.0;
+    p.tolerance = 1e-11;
+    const auto rest = [&](Model model, double dt) {
+      p.model = model;
+      Values u(s.mass.size(), 0.0);
+      DiffusionSolver solver(p);
+      for (int k = 0; k < static_cast<int>(std::round(12.0 / dt)); ++k) solver.step(u, in, dt);
+      return u;
+    };
+    const Values coarse = rest(Model::strain_constrained, 0.1), fine = rest(Model::strain_constrained, 0.02);
+    EXPECT_GT(testing::rms(fine, rest(Model::isotropic, 0.1)), 0.003) << static_cast<int>(scope);
+    EXPECT_LT(testing::rms(coarse, fine), 1e-6) << static_cast<int>(scope);
+  }
+}
+
 TEST(Convergence, SharpDiffusionWithPicardSweepsConverges) {
   DiffusionParams p = make_preset(Preset::wetting);
   p.sharpness = 2;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "diffusion/linear_solver.h"
 #include "support.h"
 
@@ -68,6 +70,35 @@ TEST(Neighbourhood, IsNearTheExactKernel) {
                 testing::rms(approximate, exact) / testing::largest(exact),
                 testing::rms(blunt, cusp) / testing::largest(cusp));
   }
+}
+
+/// The average of a front, at the vertices that all meshes of the test share.
+std::map<std::pair<long, long>, double> average_of_front(int columns, int rows) {
+  const Geometry g(testing::sheet(columns, rows));
+  const Neighbourhood k(g.s.mesh, g.graph, g.op, 0.05);
+  Values front(g.s.mass.size());
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    const Vec3& x = g.s.mesh.rest[i];
+    front[i] = g.s.mass[i] * std::exp(-0.5 * std::pow((x.y() - 0.4 - 0.1 * std::sin(9.0 * x.x())) / 0.03, 2));
+  }
+  const Values average = k.average(front);
+  std::map<std::pair<long, long>, double> at;
+  for (std::size_t i = 0; i < front.size(); ++i)
+    at[{std::lround(1e7 * g.s.mesh.rest[i].x()), std::lround(1e7 * g.s.mesh.rest[i].y())}] = average[i];
+  return at;
+}
+
+TEST(Neighbourhood, ConvergesAsTheMeshIsRefined) {
+  const auto coarse = average_of_front(47, 54), middle = average_of_front(93, 107),
+             fine = average_of_front(185, 213);
+  const auto change = [](const auto& a, const auto& b) {
+    double sum = 0.0, count = 0.0;
+    for (const auto& [place, value] : a)
+      if (const auto found = b.find(place); found != b.end())
+        sum += (value - found->second) * (value - found->second), count += 1.0;
+    return std::sqrt(sum / count);
+  };
+  EXPECT_LT(change(middle, fine), 0.6 * change(coarse, middle));
 }
 
 TEST(Neighbourhood, DoesNotReachAcrossGapsAndLeavesOrphansAlone) {
