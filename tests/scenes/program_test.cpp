@@ -61,11 +61,12 @@ TEST_F(Command, RunsASceneAndLeavesTheContractedFiles) {
 
 /// Every frame's row tells what its outputs cost, the first and the last too, and no residual is missing.
 TEST_F(Command, TimesItsOutputs) {
-  const Outcome outcome = run({"run", "small.json", "--set", "/output/preview/write=true"});
+  const std::vector<std::string> command{"run", "small.json", "--set", "/output/preview/write=true"};
+  const Outcome outcome = run(command);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const std::string bytes = slurp(folder_ / "out/small/metrics.h5");
-  const scenes::Hdf5Reader reader(bytes);
   const auto column = [&](const std::string& path) {
+    const std::string bytes = slurp(folder_ / "out/small/metrics.h5");
+    const scenes::Hdf5Reader reader(bytes);
     std::vector<double> values(reader.rows(path, ScalarType::f64, 1));
     reader.read(path, ScalarType::f64, values.data());
     return values;
@@ -80,6 +81,14 @@ TEST_F(Command, TimesItsOutputs) {
   for (const char* row : {"\noutput  ", "\n  pressure ", "\nwriting, meanwhile "})
     EXPECT_NE(outcome.out.find(row), std::string::npos) << outcome.out;
   EXPECT_EQ(outcome.out.find("background"), std::string::npos) << "which is no part of the steps";
+
+  const std::vector<double> waited = column("/timing/output"), meanwhile = column("/timing/output_background");
+  ASSERT_EQ(run(command).code, 0);
+  EXPECT_EQ(column("/timing/output"), waited) << "a complete run keeps what it measured";
+  EXPECT_EQ(column("/timing/output_background"), meanwhile);
+  ASSERT_EQ(run({"run", "small.json", "--set", "/output/preview/write=true", "--frames", "8"}).code, 0);
+  EXPECT_EQ(column("/timing/output")[5], waited[5]) << "and so does one that goes on";
+  EXPECT_EQ(column("/timing/output_background")[5], meanwhile[5]);
 }
 
 /// What an installed program needs is installed with it, the origin of its meshes included.
