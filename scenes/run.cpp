@@ -65,7 +65,8 @@ class Run {
   }
 
   ExitCode execute() {
-    require_disk(estimate_disk(*world_, scene_), folder_.root);
+    const DiskEstimate disk = estimate_disk(*world_, scene_);
+    require_disk(disk, folder_.root);
     make_folder(folder_.root);
     const FolderLock lock(folder_.root);
     folder_.require_free_names();
@@ -79,6 +80,8 @@ class Run {
     try {
       if (resumed && world_->frame() >= scene_.frames) return already_complete();
       if (!resumed) changed_.clear();
+      const std::string shortage = disk_shortage(disk, scene_, resumed ? world_->frame() : 0, folder_.root);
+      if (!shortage.empty()) warn(shortage);
       take_folder(text);
       if (!resumed) write_frame(initial_report(*world_), true);
       return compute();

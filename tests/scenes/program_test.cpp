@@ -296,20 +296,40 @@ TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
   expect_named(many + "]", "/shells: ");
 }
 
+/// Mounts a disk of `size` at disk/, seen by the program alone; ends the program with `skipped` where it may not.
+constexpr int skipped = 97;
+void mount_small_disk(const char* size) {
+  const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
+                       ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                       ::mount("tmpfs", "disk", "tmpfs", 0, size) == 0;
+  if (!mounted) ::_exit(skipped);
+}
+
 /// On a disk of 1 MB a frame of 64^3 cells cannot be written, which is said before anything is.
 TEST_F(Command, RefusesMoreDiskThanThereIs) {
   fs::create_directories(folder_ / "disk");
-  constexpr int skipped = 97;
-  const Outcome outcome =
-      run({"run", "small.json", "--out", "disk/a", "--set", "/smoke/resolution=[64,64,64]"}, [] {
-        const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
-                             ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-                             ::mount("tmpfs", "disk", "tmpfs", 0, "size=1m") == 0;
-        if (!mounted) ::_exit(skipped);
-      });
+  const Outcome outcome = run({"run", "small.json", "--out", "disk/a", "--set", "/smoke/resolution=[64,64,64]"},
+                              [] { mount_small_disk("size=1m"); });
   if (outcome.code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
   EXPECT_EQ(outcome.code, 77) << outcome.err;
   EXPECT_NE(outcome.err.find("of disk for one frame"), std::string::npos) << outcome.err;
+}
+
+/// A hundred frames of 100 kB do not fit on 3 MB if the smoke fills the box; three do.
+TEST_F(Command, WarnsOfARunThatMayFillTheDisk) {
+  fs::create_directories(folder_ / "disk");
+  for (const char* command : {"check", "run"}) {
+    const Outcome tight =
+        run({command, "small.json", "--out", "disk/a", "--frames", "100"}, [] { mount_small_disk("size=3m"); });
+    if (tight.code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
+    const std::size_t warned = tight.err.find("wick: warning: the 100 frames of the run may take up to ");
+    EXPECT_NE(warned, std::string::npos) << tight.err;
+    EXPECT_TRUE(warned < tight.err.find("frame 2/100")) << "before it computes: " << tight.err;
+    const Outcome enough =
+        run({command, "small.json", "--out", "disk/a", "--frames", "3"}, [] { mount_small_disk("size=3m"); });
+    EXPECT_EQ(enough.code, 0) << enough.err;
+    EXPECT_EQ(enough.err.find("warning"), std::string::npos) << enough.err;
+  }
 }
 
 /// The estimate that refuses is an upper bound of what is written, and no wild one: the checkpoint within 30 %, as
