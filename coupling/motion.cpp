@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/number_text.h"
 #include "core/parameters.h"
 #include "core/require.h"
 #include "diffusion/perlin.h"
@@ -94,7 +95,7 @@ void require_same_sheet(const MotionTrack& track, const solid::ShellMesh& mesh, 
   for (std::size_t i = 0; i < track.rest.size(); ++i)
     require((track.rest[i] - mesh.rest[i]).norm() <= rounding, pointer,
             "is of a sheet of another rest shape (vertex " + std::to_string(i) + " is " +
-                std::to_string((track.rest[i] - mesh.rest[i]).norm()) + " m away) take the mesh that was recorded");
+                number_text((track.rest[i] - mesh.rest[i]).norm()) + " m away) take the mesh that was recorded");
 }
 
 std::vector<Vec3> replayed(const MotionTrack& track, double t) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/require.h"
+#include "coupling/obstacles.h"
 #include "coupling/world_impl.h"
 #include "fluid/smoke_state.h"
 
@@ -18,8 +19,8 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
   kelvin = params.heat.reference_temperature - ambient;
 
   for (std::size_t n = 0; n < params.shells.size(); ++n)
-    sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params));
-  obstacles = build_obstacles(params);
+    sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params, warnings));
+  obstacles = build_obstacles(params, warnings);
   require_outside(sheets, obstacles);
   if (params.smoke) {
     gas = fluid::make_smoke_state(*params.smoke);

@@ -35,6 +35,7 @@ struct World::Impl {
   void begin_ledgers();
 
   WorldParams params;
+  std::vector<std::string> warnings;      ///< of building it
   double ambient = 293.15, kelvin = 1.0;  ///< T_amb, and T_ref - T_amb [K]
 
   // State.
