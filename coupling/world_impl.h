@@ -20,7 +20,6 @@ struct World::Impl {
   void substep(double dt, FrameReport& report);
   void move_gas(double dt, FrameReport& report);
   void relax_push();
-  void require_no_runaway(double wanted_steps, double first_wanted) const;
   void exchange(double dt);
   void diffuse(double dt, FrameReport& report);
   void react(double dt);

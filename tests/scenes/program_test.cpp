@@ -136,6 +136,8 @@ TEST_F(Command, LeavesNothingOfAnInvalidScene) {
   refused({"run", "small.json", "--set", "/smoke/resolutoin=[8,8,8]"}, 65,
           "small.json: /smoke/resolutoin: unknown key");
   refused({"run", "small.json", "--set", "/fps=0"}, 65, "/fps: 0 is out of range");
+  refused({"run", "small.json", "--set", "/fps=0.001"}, 65,
+          "/fps: a frame of 1000 s takes 30000 steps or more of /coupling/max_step");
   refused({"check", "small.json", "--set", "/frames=none"}, 65, "/frames: expected a whole number");
   refused({"run", "small.json", "--set", "frames=3"}, 64, "is not /pointer=value");
   refused({"run", "none.json"}, 66, "no such file");
@@ -181,6 +183,7 @@ TEST_F(Command, RefusesABadCommandLine) {
 }
 
 TEST_F(Command, AnswersWithoutRunning) {
+  EXPECT_EQ(run({"check", "small.json", "--set", "/fps=0.001", "--set", "/coupling/max_substeps=30000"}).code, 0);
   EXPECT_EQ(run({"check", "small.json"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
   EXPECT_NE(run({"list"}).out.find("burning_sheet"), std::string::npos);
