@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/require.h"
+#include "coupling/idle_parameters.h"
 #include "coupling/obstacles.h"
 #include "coupling/runaway.h"
 #include "coupling/world_impl.h"
@@ -13,6 +14,7 @@ namespace wick::coupling {
 
 World::Impl::Impl(const WorldParams& p) : params(p) {
   check_world(params);
+  warnings = idle_parameters(params);
   if (params.smoke)
     ambient = params.smoke->ambient_temperature;
   else

@@ -110,6 +110,7 @@ void check_scene(const RunOptions& options) {
   const std::filesystem::path folder = output_folder(options, scene);
   require_disk(disk, folder);
   if (options.quiet) return;
+  for (const std::string& text : scene.warnings) fmt::print(stderr, "wick: warning: {}\n", text);
   for (const std::string& text : world.warnings()) fmt::print(stderr, "wick: warning: {}\n", text);
   const std::string shortage = disk_shortage(disk, scene, 0, folder);
   if (!shortage.empty()) fmt::print(stderr, "wick: warning: {}\n", shortage);

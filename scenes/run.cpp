@@ -80,6 +80,7 @@ class Run {
     try {
       if (resumed && world_->frame() >= scene_.frames) return already_complete();
       if (!resumed) changed_.clear();
+      for (const std::string& found : scene_.warnings) warn(found);
       for (const std::string& found : world_->warnings()) warn(found);
       const std::string shortage = disk_shortage(disk, scene_, resumed ? world_->frame() : 0, folder_.root);
       if (!shortage.empty()) warn(shortage);

@@ -182,6 +182,19 @@ TEST_F(Command, RefusesABadCommandLine) {
   EXPECT_EQ(run({"--version"}).code, 0);
 }
 
+TEST_F(Command, WarnsOfParametersWithoutEffect) {
+  const std::string warned = "wick: warning: /burning/pre_exponential: has no effect (law is not arrhenius)\n";
+  for (const char* command : {"check", "run"}) {
+    const Outcome outcome = run({command, "small.json", "--set", "/burning/pre_exponential=7", "--frames", "2"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find(warned), std::string::npos) << outcome.err;
+  }
+  const Outcome still =
+      run({"check", "small.json", "--set", "/shells/0/pins=[{\"edge\": \"-x\", \"velocity\": [1, 0, 0]}]"});
+  EXPECT_NE(still.err.find("/shells/0/pins/0/velocity: has no effect (stop_time is 0"), std::string::npos)
+      << still.err;
+}
+
 TEST_F(Command, AnswersWithoutRunning) {
   EXPECT_EQ(run({"check", "small.json", "--set", "/fps=0.001", "--set", "/coupling/max_substeps=30000"}).code, 0);
   EXPECT_EQ(run({"check", "small.json"}).code, 0);
