@@ -14,10 +14,12 @@ struct MeshResolution {
   double rounding = 0.0;      ///< farthest that the sampled surface lies inside a vertex of what is kept [m]
 };
 
-/// A part counts as thin where two sides of the mesh face away from each other less than two spacings apart, and as
-/// lost where the sampled solid is not begun a quarter of a spacing behind the surface. Thicker parts
-/// lose edges and corners at most. (A plate along the planes of nodes is sampled rightly from 3/2 spacings on.)
-/// `body` is the mesh sampled at `spacing` [m]; the mesh must be closed, and either orientation will do.
+/// A part counts as thin where the far side of the mesh is less than two spacings behind its surface and faces the
+/// other way, unless a sharp edge is near (below 60 degrees, within 6 spacings or a twentieth of the body): a blade
+/// is thin at its edge at any spacing. It counts as lost where the sampled solid has not begun a quarter of a
+/// spacing behind the surface. Thicker parts lose edges and corners at most. (A plate along the planes of nodes is
+/// sampled rightly from 3/2 spacings on.) `body` is the mesh sampled at `spacing` [m]; the mesh must be closed, and
+/// either orientation will do.
 MeshResolution resolution_of(const Obstacle& body, double spacing, const std::vector<Vec3>& positions,
                              const std::vector<Int3>& triangles);
 

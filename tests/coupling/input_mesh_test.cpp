@@ -12,10 +12,13 @@
 namespace wick::coupling {
 namespace {
 
-constexpr const char* file = "wick_input_mesh_test.obj";
+/// A name of its own for each test: they may run side by side.
+std::string file() {
+  return std::string("wick_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".obj";
+}
 
 void write_mesh(const std::vector<Vec3>& positions, const std::vector<Int3>& triangles) {
-  std::ofstream out(testing::TempDir() + "/" + file);
+  std::ofstream out(testing::TempDir() + "/" + file());
   for (const Vec3& x : positions) out << "v " << x.x() << ' ' << x.y() << ' ' << x.z() << '\n';
   for (const Int3& t : triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
 }
@@ -48,7 +51,7 @@ WorldParams above_obstacle(double spacing) {
   WorldParams params;
   params.directory = testing::TempDir();
   params.shells.push_back(test::flat_sheet(5, 0.5, 1.0));
-  params.obstacles.push_back({.kind = ObstacleKind::mesh, .file = file, .spacing = spacing});
+  params.obstacles.push_back({.kind = ObstacleKind::mesh, .file = file(), .spacing = spacing});
   return params;
 }
 
@@ -88,6 +91,15 @@ TEST(ObstacleMesh, ThatLosesItsEdgesOnlyIsReported) {
   EXPECT_TRUE(World(above_obstacle(0.01)).warnings().empty()) << "its corners are nodes";
 }
 
+/// A blade loses its edge at any spacing, which is no reason to refuse it.
+TEST(ObstacleMesh, MayEndInAnEdge) {
+  const double half = 0.3 * std::tan(10 * M_PI / 180);
+  write_mesh({Vec3(0, -0.15, 0), Vec3(0.3, -0.15, -half), Vec3(0.3, -0.15, half), Vec3(0, 0.15, 0),
+              Vec3(0.3, 0.15, -half), Vec3(0.3, 0.15, half)},
+             {{0, 1, 2}, {3, 5, 4}, {0, 3, 1}, {1, 3, 4}, {0, 2, 3}, {2, 5, 3}, {1, 4, 2}, {2, 4, 5}});
+  for (const double spacing : {0.02, 0.01, 0.005}) EXPECT_EQ(refusal_of(above_obstacle(spacing)), "accepted");
+}
+
 TEST(ObstacleMesh, OfOrdinaryShapePassesAtTheDefaultSpacing) {
   WorldParams params = above_obstacle(ObstacleParams{}.spacing);
   params.directory = std::string(WICK_SOURCE) + "/scenes/meshes";
@@ -107,7 +119,7 @@ class LooseVertices : public testing::Test {
     params_.directory = testing::TempDir();
     ShellSection& shell = params_.shells.emplace_back();
     shell.mesh.kind = MeshKind::file;
-    shell.mesh.file = file;
+    shell.mesh.file = file();
     shell.mesh.subdivisions = 1;
   }
   WorldParams params_;
