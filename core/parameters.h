@@ -62,6 +62,10 @@ class ParameterVisitor {
   /// `value` is the position of the chosen name in `names`.
   virtual void choice_index(const About& about, int& value, std::span<const char* const> names) = 0;
 
+  /// Lists parameters that have an effect only where `effective`, as told by the parameters before them;
+  /// `otherwise` says why they have none ("kind is not ball"). Readers warn of those that are set all the same.
+  virtual void only(bool /*effective*/, const char* /*otherwise*/, FunctionRef<void()> list) { list(); }
+
   /// A JSON object. `names` in error messages become /key/...
   virtual void group(const char* key, const char* doc, FunctionRef<void(ParameterVisitor&)> describe) = 0;
   /// An object that may be absent. engage(true) makes it exist with its defaults.

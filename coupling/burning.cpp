@@ -53,13 +53,17 @@ void describe(ParameterVisitor& v, SheetHeatParams& p) {
 void describe(ParameterVisitor& v, BurningParams& p) {
   v.choice({"law", "", any_value(), "threshold: rate grows from theta_ign on; arrhenius: A exp(-T_act/T)"}, p.law,
            kLawNames);
-  v.number({"ignition", "1", between(0, 0.999), "theta_ign: below it nothing burns (threshold law)"}, p.ignition);
-  v.number({"rate", "1/s", between(0, 1e6), "k_b: fraction of the mass lost a second at theta = 1",
-            OnResume::may_change},
-           p.rate);
-  v.number({"pre_exponential", "1/s", between(0, 1e20), "A of the arrhenius law"}, p.pre_exponential);
-  v.number({"activation_temperature", "K", between(0, 1e6), "T_act of the arrhenius law"},
-           p.activation_temperature);
+  v.only(p.law == MassLoss::threshold, "law is not threshold", [&] {
+    v.number({"ignition", "1", between(0, 0.999), "theta_ign: below it nothing burns (threshold law)"}, p.ignition);
+    v.number({"rate", "1/s", between(0, 1e6), "k_b: fraction of the mass lost a second at theta = 1",
+              OnResume::may_change},
+             p.rate);
+  });
+  v.only(p.law == MassLoss::arrhenius, "law is not arrhenius", [&] {
+    v.number({"pre_exponential", "1/s", between(0, 1e20), "A of the arrhenius law"}, p.pre_exponential);
+    v.number({"activation_temperature", "K", between(0, 1e6), "T_act of the arrhenius law"},
+             p.activation_temperature);
+  });
   v.number({"ash", "1", between(1e-4, 0.999), "mu_ash: fraction of the mass that does not burn"}, p.ash);
   v.number({"removal", "1", between(0, 1),
             "triangles whose vertices all have less mass left fall away as ash; 0: never"},
@@ -88,12 +92,14 @@ void describe(ParameterVisitor& v, BurningParams& p) {
            p.shrink);
   v.number({"weaken", "1", between(1e-6, 1), "e_min: stiffness of ash relative to virgin"}, p.weaken);
   v.number({"curl", "1", between(0, 100), "rest curvature of a fully burnt place times curl_radius"}, p.curl);
-  v.number({"curl_radius", "m", between(1e-6, 1e6), "radius to which a fully burnt place curls at curl = 1"},
-           p.curl_radius);
-  v.number({"curl_noise", "1", between(0, 1),
-            "share of the curl's direction that is seeded noise instead of the hotter side"},
-           p.curl_noise);
-  v.integer({"seed", "", between(0, 2147483647), "of the curl noise"}, p.seed);
+  v.only(p.curl > 0.0, "curl is 0", [&] {
+    v.number({"curl_radius", "m", between(1e-6, 1e6), "radius to which a fully burnt place curls at curl = 1"},
+             p.curl_radius);
+    v.number({"curl_noise", "1", between(0, 1),
+              "share of the curl's direction that is seeded noise instead of the hotter side"},
+             p.curl_noise);
+    v.integer({"seed", "", between(0, 2147483647), "of the curl noise"}, p.seed);
+  });
 }
 
 void visit(StateVisitor& visitor, BurningState& state) {

@@ -7,8 +7,9 @@
 #include <cmath>
 #include <map>
 
+#include "core/number_text.h"
 #include "core/require.h"
-#include "coupling/sheet.h"
+#include "coupling/obstacles.h"
 
 namespace wick::coupling {
 
@@ -42,7 +43,7 @@ SampledShape sample_mesh_distance(const std::vector<Vec3>& positions, const std:
   const double nodes =
       (extent.x() + 2 * kMargin + 2) * (extent.y() + 2 * kMargin + 2) * (extent.z() + 2 * kMargin + 2);
   require(nodes <= kMostNodes, pointer + "/spacing",
-          "would need " + std::to_string(nodes * 4e-9) + " GB for the obstacle's distance; take a larger one",
+          "would need " + number_text(nodes * 4e-9) + " GB for the obstacle's distance; take a larger one",
           ExitCode::refused);
 
   openvdb::initialize();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/number_text.h"
 #include "core/parameters.h"
 #include "core/require.h"
 #include "diffusion/perlin.h"
@@ -94,7 +95,7 @@ void require_same_sheet(const MotionTrack& track, const solid::ShellMesh& mesh, 
   for (std::size_t i = 0; i < track.rest.size(); ++i)
     require((track.rest[i] - mesh.rest[i]).norm() <= rounding, pointer,
             "is of a sheet of another rest shape (vertex " + std::to_string(i) + " is " +
-                std::to_string((track.rest[i] - mesh.rest[i]).norm()) + " m away) take the mesh that was recorded");
+                number_text((track.rest[i] - mesh.rest[i]).norm()) + " m away) take the mesh that was recorded");
 }
 
 std::vector<Vec3> replayed(const MotionTrack& track, double t) {
@@ -118,18 +119,33 @@ void describe(ParameterVisitor& v, MotionParams& p) {
        "none: the shell solver moves the sheet; else it is moved as told, nothing can push it, and its rest shape "
        "stays where it burns"},
       p.kind, kMotionKinds);
-  v.number({"amplitude", "m (stretch: 1)", between(-1e3, 1e3),
-            "a: height of dent, wave and crumple, pull of star, strain of stretch"},
-           p.amplitude);
-  v.number({"wavelength", "m", above_up_to(0, 1e6), "of wave and of the widest octave of crumple; width of dents"},
-           p.wavelength);
-  v.number({"period", "s", between(0, 1e6), "of wave; 0: it stands still"}, p.period);
-  v.number({"ramp", "s", between(0, 1e6), "time over which the amplitude grows from 0; 0: it is there at once"},
-           p.ramp);
-  v.integer({"seed", "", between(0, 2147483647), "of crumple"}, p.seed);
-  v.text({"file", "", any_value(),
-          "recorded: motion file beside the scene, as /output/motion writes; HDF5 with /time (F), /x (F x V x 3)"},
-         p.file);
+  const bool formed = p.kind != MotionKind::none && p.kind != MotionKind::recorded;
+  v.only(formed, "kind is none or recorded", [&] {
+    v.number({"amplitude", "m (stretch: 1)", between(-1e3, 1e3),
+              "a: height of dent, wave and crumple, pull of star, strain of stretch"},
+             p.amplitude);
+  });
+  v.only(formed && p.kind != MotionKind::stretch, "kind has no wavelength", [&] {
+    v.number(
+        {"wavelength", "m", above_up_to(0, 1e6), "of wave and of the widest octave of crumple; width of dents"},
+        p.wavelength);
+  });
+  v.only(p.kind == MotionKind::wave, "kind is not wave", [&] {
+    v.number({"period", "s", between(0, 1e6), "of wave; 0: it stands still"}, p.period);
+  });
+  v.only(formed, "kind is none or recorded", [&] {
+    v.number({"ramp", "s", between(0, 1e6), "time over which the amplitude grows from 0; 0: it is there at once"},
+             p.ramp);
+  });
+  v.only(p.kind == MotionKind::crumple, "kind is not crumple", [&] {
+    v.integer({"seed", "", between(0, 2147483647), "of crumple"}, p.seed);
+  });
+  v.only(p.kind == MotionKind::recorded, "kind is not recorded", [&] {
+    v.text(
+        {"file", "", any_value(),
+         "recorded: motion file beside the scene, as /output/motion writes; HDF5 with /time (F), /x (F x V x 3)"},
+        p.file);
+  });
 }
 
 void require_motion_fits(const MotionParams& p, const solid::ShellMesh& mesh, const std::string& pointer) {

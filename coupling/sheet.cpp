@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/noise.h"
+#include "core/number_text.h"
 #include "core/require.h"
 #include "solid/mesh_file.h"
 #include "solid/primitives.h"
@@ -43,7 +44,7 @@ void require_bearable(const solid::TriangleSoup& soup, const MeshParams& p, cons
   constexpr double kSmallest = 1e-6, kFar = 1e6;
   require((high - low).norm() >= kSmallest && high.cwiseAbs().cwiseMax(low.cwiseAbs()).maxCoeff() <= kFar,
           pointer + "/scale",
-          "makes a sheet of " + std::to_string((high - low).norm()) + " m (1e-6 to 1e6 m can be simulated)");
+          "makes a sheet of " + number_text((high - low).norm()) + " m (1e-6 to 1e6 m can be simulated)");
   constexpr double kBytesPerTriangle = 2000.0, kMost = 200e9;
   const double bytes =
       kBytesPerTriangle * static_cast<double>(soup.triangles.size()) * std::pow(4.0, p.subdivisions);
@@ -55,26 +56,30 @@ void require_bearable(const solid::TriangleSoup& soup, const MeshParams& p, cons
           ExitCode::refused);
 }
 
-solid::TriangleSoup make_soup(const MeshParams& p, const std::string& pointer, const WorldParams& world) {
+FileMesh make_mesh(const MeshParams& p, const std::string& pointer, const WorldParams& world,
+                   std::vector<std::string>& warnings) {
   switch (p.kind) {
     case MeshKind::rectangle:
-      return with_pointer(pointer + "/vertices",
-                          [&] { return solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice); });
+      return with_pointer(pointer + "/vertices", [&] {
+        return FileMesh{solid::rectangle(p.vertices[0], p.vertices[1], p.size, p.lattice), {}};
+      });
     case MeshKind::icosphere:
-      return with_pointer(pointer + "/subdivisions", [&] { return solid::icosphere(p.subdivisions, p.radius); });
+      return with_pointer(pointer + "/subdivisions", [&] {
+        return FileMesh{solid::icosphere(p.subdivisions, p.radius), {}};
+      });
     case MeshKind::cylinder:
       require(p.vertices[0] >= 3, pointer + "/vertices", "a cylinder needs at least 3 vertices around");
-      return with_pointer(pointer + "/vertices",
-                          [&] { return solid::cylinder(p.size[0], p.size[1], p.vertices[0], p.vertices[1]); });
+      return with_pointer(pointer + "/vertices", [&] {
+        return FileMesh{solid::cylinder(p.size[0], p.size[1], p.vertices[0], p.vertices[1]), {}};
+      });
     case MeshKind::file:
       break;
   }
   require(!p.file.empty(), pointer + "/file", "missing (kind is \"file\"); name a PLY or OBJ beside the scene");
-  solid::TriangleSoup soup =
-      with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
-  require_bearable(soup, p, pointer);
-  for (int n = 0; n < p.subdivisions; ++n) soup = solid::subdivide(soup);
-  return soup;
+  FileMesh mesh = read_mesh_beside_scene(world, p.file, pointer + "/file", warnings);
+  require_bearable(mesh.soup, p, pointer);
+  for (int n = 0; n < p.subdivisions; ++n) mesh.soup = solid::subdivide(mesh.soup);
+  return mesh;
 }
 
 Mat3 rotation(const Vec3& degrees) {
@@ -103,7 +108,7 @@ void add_wrinkles(Sheet& sheet) {
   for (const Vec3& x : sheet.mesh.rest) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double extent = std::max((high - low).norm(), 1e-12);
   require(p.wrinkle <= extent, sheet.pointer + "/mesh/wrinkle",
-          "is more than the whole sheet measures (" + std::to_string(extent) + " m); lower it");
+          "is more than the whole sheet measures (" + number_text(extent) + " m); lower it");
   const std::vector<Vec3> normals = solid::vertex_normals(sheet.mesh, sheet.mesh.rest);
   for (std::size_t i = 0; i < sheet.state.x.size(); ++i)
     sheet.state.x[i] += p.wrinkle * smooth_noise(sheet.mesh.rest[i] - low, extent, p.seed) * normals[i];
@@ -126,14 +131,25 @@ bool on_edge(PinEdge edge, const Vec2& material, const Vec2& low, const Vec2& hi
   return false;
 }
 
+/// The number of a vertex that the scene names as its file does. Subdivision adds vertices behind those of the
+/// file.
+std::size_t built_number(const Sheet& sheet, int vertex, const std::string& pointer) {
+  const std::size_t kept = sheet.mesh.vertex_count(), named = sheet.file_number.size();
+  const auto gone = static_cast<std::size_t>(std::count(sheet.file_number.begin(), sheet.file_number.end(), -1));
+  const auto number = static_cast<std::size_t>(vertex);
+  require(
+      number < kept + gone, pointer,
+      "vertex " + std::to_string(vertex) + " does not exist (the mesh has " + std::to_string(kept + gone) + ")");
+  if (number >= named) return number - gone;
+  require(sheet.file_number[number] >= 0, pointer,
+          "vertex " + std::to_string(vertex) + " is in no triangle (so it is left out) name another");
+  return static_cast<std::size_t>(sheet.file_number[number]);
+}
+
 PinSet build_pin(const Sheet& sheet, const PinParams& p, const std::string& pointer) {
   const std::size_t count = sheet.mesh.vertex_count();
   std::vector<std::uint8_t> held(count, 0);
-  for (const int vertex : p.vertices) {
-    require(static_cast<std::size_t>(vertex) < count, pointer + "/vertices",
-            "vertex " + std::to_string(vertex) + " does not exist (the mesh has " + std::to_string(count) + ")");
-    held[vertex] = 1;
-  }
+  for (const int vertex : p.vertices) held[built_number(sheet, vertex, pointer + "/vertices")] = 1;
   if (p.edge != PinEdge::none) {
     require(sheet.params.mesh.kind == MeshKind::rectangle, pointer + "/edge",
             "only a rectangle has named edges; use point and radius");
@@ -189,7 +205,21 @@ void require_nothing_else_moves(const ShellSection& p, const std::string& pointe
 
 }  // namespace
 
-Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world) {
+FileMesh read_mesh_beside_scene(const WorldParams& world, const std::string& file, const std::string& pointer,
+                                std::vector<std::string>& warnings) {
+  FileMesh mesh;
+  mesh.soup = with_pointer(pointer, [&] { return solid::read_mesh_file(beside_scene(world, file)); });
+  if (mesh.soup.triangles.empty()) return mesh;  // refused later, for that reason
+  mesh.number = solid::drop_loose_vertices(mesh.soup);
+  if (!mesh.number.empty())
+    warnings.push_back(pointer + ": " + std::to_string(mesh.number.size() - mesh.soup.positions.size()) + " of " +
+                       std::to_string(mesh.number.size()) +
+                       " vertices are in no triangle and are left out; outputs number the others anew");
+  return mesh;
+}
+
+Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world,
+                  std::vector<std::string>& warnings) {
   require_nothing_else_moves(params, pointer);
   Sheet sheet;
   sheet.name = params.name;
@@ -197,7 +227,8 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
   sheet.params = params;
   sheet.areal_mass = params.material.density * params.material.thickness;
 
-  solid::TriangleSoup soup = make_soup(params.mesh, pointer + "/mesh", world);
+  auto [soup, file_number] = make_mesh(params.mesh, pointer + "/mesh", world, warnings);
+  sheet.file_number = std::move(file_number);
   const Mat3 turn = rotation(params.mesh.rotation);
   for (Vec3& x : soup.positions) x = turn * (params.mesh.scale * x) + params.mesh.position;
   for (Vec2& m : soup.material) m *= params.mesh.scale;
@@ -267,58 +298,6 @@ void visit(StateVisitor& visitor, Sheet& sheet) {
   visitor.array("theta", sheet.theta);
   visit(visitor, sheet.burning);
   if (!sheet.gas_force.empty()) visitor.array("gas_force", sheet.gas_force);
-}
-
-void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacle>& obstacles) {
-  for (std::size_t n = 0; n < obstacles.size(); ++n)
-    for (const Sheet& sheet : sheets) {
-      if (!sheet.free()) continue;
-      std::vector<std::uint8_t> held(sheet.mesh.vertex_count(), 0);
-      for (const PinSet& pin : sheet.pins)
-        for (const std::int32_t i : pin.vertices) held[i] = 1;
-      double edge = 0.0, deepest = 0.0;
-      for (const double l : sheet.mesh.rest_length) edge += l / static_cast<double>(sheet.mesh.rest_length.size());
-      std::size_t inside = 0;
-      for (std::size_t i = 0; i < held.size(); ++i) {
-        const double depth = -sample_distance(obstacles[n], sheet.state.x[i]).distance;
-        if (held[i] != 0 || !(depth > 0.0)) continue;
-        ++inside;
-        deepest = std::max(deepest, depth);
-      }
-      // Less than half an edge is undone at the first contact; what lies deeper would be torn apart, some of it to
-      // one side of the obstacle and some to the other.
-      require(!(deepest > 0.5 * edge), "/obstacles/" + std::to_string(n),
-              "holds " + std::to_string(inside) + " vertices of shell \"" + sheet.name + "\" at the start, up to " +
-                  std::to_string(deepest) + " m deep (a sheet cannot start across an obstacle) move one of them");
-    }
-}
-
-std::vector<Obstacle> build_obstacles(const WorldParams& world) {
-  std::vector<Obstacle> obstacles;
-  // The grid marks obstacle cells with a byte.
-  require(world.obstacles.size() <= 254, "/obstacles", "more than 254; join some into one mesh");
-  for (std::size_t n = 0; n < world.obstacles.size(); ++n) {
-    const ObstacleParams& p = world.obstacles[n];
-    const std::string pointer = "/obstacles/" + std::to_string(n);
-    Obstacle obstacle{
-        .name = p.name, .shape = SphereShape{p.center, p.radius}, .friction = p.friction, .velocity = p.velocity};
-    if (p.kind == ObstacleKind::box) {
-      require((p.upper - p.lower).minCoeff() > 0.0, pointer + "/upper", "must exceed lower in every direction");
-      obstacle.shape = BoxShape{p.lower, p.upper};
-    } else if (p.kind == ObstacleKind::plane) {
-      require(p.normal.norm() > 1e-9, pointer + "/normal", "has no length (a plane needs a direction)");
-      obstacle.shape = PlaneShape{p.center, p.normal.normalized()};
-    } else if (p.kind == ObstacleKind::mesh) {
-      require(!p.file.empty(), pointer + "/file",
-              "missing (kind is \"mesh\"); name a closed PLY or OBJ beside the scene");
-      solid::TriangleSoup soup =
-          with_pointer(pointer + "/file", [&] { return solid::read_mesh_file(beside_scene(world, p.file)); });
-      for (Vec3& x : soup.positions) x = p.scale * x + p.center;
-      obstacle.shape = sample_mesh_distance(soup.positions, soup.triangles, p.spacing, pointer);
-    }
-    obstacles.push_back(std::move(obstacle));
-  }
-  return obstacles;
 }
 
 }  // namespace wick::coupling

@@ -9,6 +9,7 @@
 #include "coupling/rasterize.h"
 #include "coupling/world_params.h"
 #include "diffusion/strain_diffusion.h"
+#include "solid/primitives.h"
 #include "solid/shell.h"
 
 namespace wick::coupling {
@@ -33,6 +34,7 @@ struct Sheet {
   double areal_mass = 0.0;  ///< rho t [kg/m2]
 
   solid::ShellMesh original;        ///< as built
+  std::vector<int> file_number;     ///< of the vertices of a mesh file, see FileMesh; empty: as built
   std::vector<std::uint8_t> alive;  ///< per original triangle
   solid::ShellMesh mesh;            ///< the alive triangles, in the order of the original
   solid::ShellState state;
@@ -56,8 +58,19 @@ struct Sheet {
   [[nodiscard]] SheetSurface surface() const { return {&mesh, &state.x, &state.v}; }
 };
 
-/// Builds the sheet of one section. Throws Refusal with the pointer of the parameter at fault.
-Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world);
+/// A mesh file without the vertices that no triangle names.
+struct FileMesh {
+  solid::TriangleSoup soup;
+  std::vector<int> number;  ///< of each vertex of the file in `soup`, -1 where it is gone; empty: as in the file
+};
+/// Reads a mesh file that the scene names at `pointer`, and adds a warning with the count of vertices left out.
+FileMesh read_mesh_beside_scene(const WorldParams& world, const std::string& file, const std::string& pointer,
+                                std::vector<std::string>& warnings);
+
+/// Builds the sheet of one section. Throws Refusal with the pointer of the parameter at fault; what is worth saying
+/// and no fault is added to `warnings`, each with its pointer in front.
+Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world,
+                  std::vector<std::string>& warnings);
 
 /// Rebuilds mesh, solvers and inputs of `sheet` after `sheet.alive` has changed (or has been read from a
 /// checkpoint).
@@ -74,15 +87,5 @@ void refresh_inputs(Sheet& sheet, const WorldParams& world);
 void follow_motion(Sheet& sheet, double t, double dt);
 
 void visit(StateVisitor& visitor, Sheet& sheet);
-
-/// Throws Refusal where a free sheet lies wholly inside an obstacle: no push out of it would be the right one.
-void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacle>& obstacles);
-
-/// The scene's rigid bodies, meshes sampled to signed distances.
-std::vector<Obstacle> build_obstacles(const WorldParams& world);
-
-/// Signed distance of a closed triangle mesh on a grid with `spacing`, a few cells wider than the mesh.
-SampledShape sample_mesh_distance(const std::vector<Vec3>& positions, const std::vector<Int3>& triangles,
-                                  double spacing, const std::string& pointer);
 
 }  // namespace wick::coupling

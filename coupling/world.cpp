@@ -4,6 +4,9 @@
 #include <utility>
 
 #include "core/require.h"
+#include "coupling/idle_parameters.h"
+#include "coupling/obstacles.h"
+#include "coupling/runaway.h"
 #include "coupling/world_impl.h"
 #include "fluid/smoke_state.h"
 
@@ -11,6 +14,7 @@ namespace wick::coupling {
 
 World::Impl::Impl(const WorldParams& p) : params(p) {
   check_world(params);
+  warnings = idle_parameters(params);
   if (params.smoke)
     ambient = params.smoke->ambient_temperature;
   else
@@ -18,8 +22,8 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
   kelvin = params.heat.reference_temperature - ambient;
 
   for (std::size_t n = 0; n < params.shells.size(); ++n)
-    sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params));
-  obstacles = build_obstacles(params);
+    sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params, warnings));
+  obstacles = build_obstacles(params, warnings);
   require_outside(sheets, obstacles);
   if (params.smoke) {
     gas = fluid::make_smoke_state(*params.smoke);
@@ -173,30 +177,6 @@ void World::Impl::relax_push() {
   }
 }
 
-/// Stops a run that only goes on by following its own error: a partitioned one that needs more steps than a frame
-/// may have, or any in which something is faster than no scene can make it.
-void World::Impl::require_no_runaway(double wanted_steps, double first_wanted) const {
-  constexpr double fastest_sense = 1e5;  // [m/s]; ten times what a scene may ask of anything that moves
-  const auto fail = [&](const std::string& pointer, const std::string& what, const std::string& advice) {
-    throw Refusal(ExitCode::numerical_failure, pointer,
-                  what + " in frame " + std::to_string(frame + 1) + " at " + std::to_string(time) +
-                      " s (a runaway) " + advice);
-  };
-  // Within a frame the flow of a scene changes its speed by a few times, that of a runaway a few times each step.
-  const double bearable = std::min<double>(params.coupling.max_substeps, 8.0 * std::max(first_wanted, 2.0));
-  if (params.coupling.scheme == CouplingScheme::partitioned && wanted_steps > bearable)
-    fail("/coupling/scheme",
-         "the partitioned scheme wants " + std::to_string(std::llround(std::min(wanted_steps, 1e15))) +
-             " steps in a frame that began with " + std::to_string(std::llround(first_wanted)) +
-             " (or more than /coupling/max_substeps)",
-         "use \"simultaneous\", a smaller /coupling/relaxation, or more steps a frame");
-  double speed = gas ? fluid::fastest(gas->velocity) : 0.0;
-  for (const Sheet& sheet : sheets)
-    for (const Vec3& v : sheet.state.v) speed = std::max(speed, v.norm());
-  if (speed > fastest_sense)
-    fail("", "something moves at " + std::to_string(speed) + " m/s", "take shorter steps, or softer sources");
-}
-
 /// Heat crosses between sheets and gas: u_ext of the paper, taken from the cells that each face sees.
 void World::Impl::exchange(double dt) {
   heat_in.assign(sheets.size(), {});
@@ -325,7 +305,8 @@ FrameReport World::step(double dt, FunctionRef<bool()> stop) {
   for (double left = resumed ? end - world.time : dt; left > 0.0; left = end - world.time) {
     double step = world.longest_step(left);
     if (report.substeps == 0) report.steps_foreseen = left / step;
-    world.require_no_runaway(report.substeps + left / step, report.steps_foreseen);
+    require_no_runaway({world.params, world.sheets, world.gas ? &*world.gas : nullptr, world.frame + 1, world.time,
+                        step, report.substeps + left / step, report.steps_foreseen, report.lengthened_steps});
     // Past the cap the rest of the frame is one equal share of what is left: counted, not hidden.
     const int remaining = world.params.coupling.max_substeps - report.substeps;
     if (left / step > std::max(remaining, 1)) {

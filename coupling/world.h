@@ -62,6 +62,8 @@ class World {
 
   [[nodiscard]] int frame() const;  ///< 1 for the initial state
   [[nodiscard]] double time() const;
+  /// What building it found worth saying, each with the pointer of its parameter in front.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
   [[nodiscard]] std::vector<std::string> models() const;  ///< shell, diffusion, smoke, burning, ...
   [[nodiscard]] std::vector<ShellView> shells() const;
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const;  ///< where they are now

@@ -26,6 +26,10 @@ const std::map<std::string, Ledger>& World::ledgers() const {
   return impl_->ledgers;
 }
 
+const std::vector<std::string>& World::warnings() const {
+  return impl_->warnings;
+}
+
 std::vector<std::string> World::models() const {
   std::vector<std::string> names;
   const WorldParams& p = impl_->params;

@@ -20,7 +20,6 @@ struct World::Impl {
   void substep(double dt, FrameReport& report);
   void move_gas(double dt, FrameReport& report);
   void relax_push();
-  void require_no_runaway(double wanted_steps, double first_wanted) const;
   void exchange(double dt);
   void diffuse(double dt, FrameReport& report);
   void react(double dt);
@@ -35,6 +34,7 @@ struct World::Impl {
   void begin_ledgers();
 
   WorldParams params;
+  std::vector<std::string> warnings;      ///< of building it
   double ambient = 293.15, kelvin = 1.0;  ///< T_amb, and T_ref - T_amb [K]
 
   // State.

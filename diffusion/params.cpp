@@ -26,10 +26,12 @@ void describe_diffusion(ParameterVisitor& v, DiffusionParams& p) {
        {},
        "Laplacian of the sheet: cotan converges on any mesh; umbrella is Eq 3 of Kim 2017; graph ignores lengths"},
       p.discretisation, operator_names);
-  v.number(
-      {"umbrella_factor", "1", above_up_to(0.0, 10.0),
-       "multiplies the umbrella: 2 gives alpha its nominal value on a surface, 1 is Eq 3 as printed (half of it)"},
-      p.umbrella_factor);
+  v.only(p.discretisation == Operator::umbrella, "operator is not umbrella", [&] {
+    v.number({"umbrella_factor", "1", above_up_to(0.0, 10.0),
+              "multiplies the umbrella: 2 gives alpha its nominal value on a surface, 1 is Eq 3 as printed (half "
+              "of it)"},
+             p.umbrella_factor);
+  });
   v.flag({"clamp_weights",
           "",
           {},
@@ -48,9 +50,11 @@ void describe_diffusion(ParameterVisitor& v, DiffusionParams& p) {
       {"sharpness", "1", between(0, 8),
        "m of the porous-medium flux div((m+1) u^m grad u): 0 linear with a long tail, 2 a sharp edge (wetting)"},
       p.sharpness);
-  v.integer({"picard", "1", between(1, 50),
-             "sweeps per step when sharpness > 0; below 3 the front lags by about a cell a step"},
-            p.picard);
+  v.only(p.sharpness > 0, "sharpness is 0", [&] {
+    v.integer({"picard", "1", between(1, 50),
+               "sweeps per step when sharpness > 0; below 3 the front lags by about a cell a step"},
+              p.picard);
+  });
   v.number({"tolerance", "1", between(1e-14, 1e-2),
             "relative residual of the linear solves; conservation does not depend on it", OnResume::may_change},
            p.tolerance);
@@ -112,9 +116,11 @@ void describe_front(ParameterVisitor& v, DiffusionParams& p) {
        {},
        "what pays for the strain added: global is Kim 2017, Eq 8g; front and local_front act near the front only"},
       p.scope, scope_names);
-  v.number({"scope_radius", "m", above(0.0),
-            "reach of local and local_front; much more than the front's width: detached pieces"},
-           p.scope_radius);
+  v.only(p.scope == Scope::local || p.scope == Scope::local_front, "scope is not local or local_front", [&] {
+    v.number({"scope_radius", "m", above(0.0),
+              "reach of local and local_front; much more than the front's width: detached pieces"},
+             p.scope_radius);
+  });
   v.number({"sigma", "1", between(0.0, 1e6),
             "scales the total [Kim 2017, Eq 8d]; 1 conserves, more creates, less removes", OnResume::may_change},
            p.sigma);
@@ -124,7 +130,9 @@ void describe_front(ParameterVisitor& v, DiffusionParams& p) {
             "rate: sigma per sigma_tau; per_step: sigma every step (literal, depends on the step); influx: scales "
             "what is taken up"},
            p.sigma_mode, sigma_names);
-  v.number({"sigma_tau", "s", above(0.0), "time over which sigma acts once in mode rate"}, p.sigma_tau);
+  v.only(p.sigma_mode == SigmaMode::rate, "sigma_mode is not rate", [&] {
+    v.number({"sigma_tau", "s", above(0.0), "time over which sigma acts once in mode rate"}, p.sigma_tau);
+  });
   v.choice(
       {"total", "", {}, "total that is kept: weighted by what a vertex holds, or the plain sum of Kim 2017, Eq 8b"},
       p.total, total_names);
@@ -190,14 +198,21 @@ void describe(ParameterVisitor& v, DiffusionParams& p) {
   describe_diffusion(v, p);
   describe_strain(v, p);
   describe_front(v, p);
-  v.nested("noise", "gradient noise of the models noise and strain_noise", p.noise);
-  v.nested("porous", "capillary flow of the model porous; lengths follow metric, weights are always cotan",
-           p.porous);
-  v.nested("gravity_transport", "transfers along edges of the model diffuse_gravity", p.gravity_transport);
-  v.number(
-      {"tensor_gain", "1", between(0.0, 1e3),
-       "k_t of the model tensor: D = alpha (I + k_t (U - I)) with U the stretch; above 8 obtuse meshes limit it"},
-      p.tensor_gain);
+  v.only(p.model == Model::noise || p.model == Model::strain_noise, "model is not noise or strain_noise",
+         [&] { v.nested("noise", "gradient noise of the models noise and strain_noise", p.noise); });
+  v.only(p.model == Model::porous, "model is not porous", [&] {
+    v.nested("porous", "capillary flow of the model porous; lengths follow metric, weights are always cotan",
+             p.porous);
+  });
+  v.only(p.model == Model::diffuse_gravity, "model is not diffuse_gravity", [&] {
+    v.nested("gravity_transport", "transfers along edges of the model diffuse_gravity", p.gravity_transport);
+  });
+  v.only(p.model == Model::tensor, "model is not tensor", [&] {
+    v.number(
+        {"tensor_gain", "1", between(0.0, 1e3),
+         "k_t of the model tensor: D = alpha (I + k_t (U - I)) with U the stretch; above 8 obtuse meshes limit it"},
+        p.tensor_gain);
+  });
 }
 
 }  // namespace wick::diffusion

@@ -30,8 +30,8 @@ void describe_forces(ParameterVisitor& v, SmokeParams& p) {
   v.number({"buoyancy_heat", "1", between(-1e3, 1e3), "b, multiplies the lift g (T - T_amb)/T; 1 is physical",
             OnResume::may_change},
            p.buoyancy_heat);
-  v.number({"buoyancy_smoke", "1", between(-1e3, 1e3), "a, multiplies the weight g rho_s/rho of the smoke; 1 is physical",
-            OnResume::may_change},
+  v.number({"buoyancy_smoke", "1", between(-1e3, 1e3),
+            "a, multiplies the weight g rho_s/rho of the smoke; 1 is physical", OnResume::may_change},
            p.buoyancy_smoke);
   v.number({"vorticity", "1/s", between(0, 1e6),
             "confinement eps [Fedkiw 2001]; too large: boiling noise at the grid scale", OnResume::may_change},
@@ -82,8 +82,10 @@ void describe(ParameterVisitor& v, SmokeParams& p) {
   describe_fading(v, p);
   v.flag({"no_slip", "", any_value(), "closed sides hold the air beside them (needs viscosity to be seen)"},
          p.no_slip);
-  v.group("side_velocity", "velocity of the sides that hold the air beside them",
-          [&](ParameterVisitor& g) { describe_side_velocity(g, p.side_velocity); });
+  v.only(p.no_slip, "no_slip is false", [&] {
+    v.group("side_velocity", "velocity of the sides that hold the air beside them",
+            [&](ParameterVisitor& g) { describe_side_velocity(g, p.side_velocity); });
+  });
   v.flag({"active_window", "", any_value(), "step only the part of the box that smoke, heat and motion can reach",
           OnResume::may_change},
          p.active_window);

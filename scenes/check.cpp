@@ -116,6 +116,10 @@ void check_scene(const RunOptions& options) {
   const std::filesystem::path folder = output_folder(options, scene);
   require_disk(disk, folder);
   if (options.quiet) return;
+  for (const std::string& text : scene.warnings) fmt::print(stderr, "wick: warning: {}\n", text);
+  for (const std::string& text : world.warnings()) fmt::print(stderr, "wick: warning: {}\n", text);
+  const std::string shortage = disk_shortage(disk, scene, 0, folder);
+  if (!shortage.empty()) fmt::print(stderr, "wick: warning: {}\n", shortage);
   fmt::print("scene    {}: {} frames at {:.4g} a second, {:.4g} s\n", scene.name, scene.frames, scene.fps,
              (scene.frames - 1) / scene.fps);
   fmt::print("models   {}\n", fmt::join(world.models(), ", "));

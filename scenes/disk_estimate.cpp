@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "core/require.h"
@@ -85,6 +86,7 @@ DiskEstimate estimate_disk(coupling::World& world, const Scene& scene) {
   const auto frames = static_cast<std::uint64_t>(scene.frames);
   const auto kept = static_cast<std::uint64_t>(scene.output.checkpoint.keep) + 1;
   // Motion is on the disk twice: frame by frame, and joined at the end.
+  estimate.joined = motion;
   estimate.all =
       frames * (estimate.frame + motion) + kept * estimate.checkpoint + motion_header_bytes(world, scene);
   return estimate;
@@ -97,6 +99,20 @@ std::uint64_t free_disk(const fs::path& folder) {
   const fs::space_info space = fs::space(at, error);
   // File systems without a size (as /proc) are no disks: writing there fails by itself, for a better reason.
   return error || space.capacity == 0 ? std::numeric_limits<std::uint64_t>::max() : space.available;
+}
+
+std::string disk_shortage(const DiskEstimate& estimate, const Scene& scene, int done, const fs::path& folder) {
+  const auto left = static_cast<std::uint64_t>(std::max(scene.frames - done, 0));
+  // A run that goes on replaces its checkpoints one by one.
+  const std::uint64_t needed =
+      done == 0 ? estimate.all : left * (estimate.frame + estimate.joined) + estimate.checkpoint;
+  const std::uint64_t there = free_disk(folder);
+  if (needed <= there) return "";
+  return fmt::format(
+      "the {} frames {} may take up to {} of disk ({} are free at {}): a run that fills the disk stops with its "
+      "last "
+      "checkpoint kept, and goes on once there is room; fewer /frames or less /output takes less",
+      left, done == 0 ? "of the run" : "to come", bytes_text(needed), bytes_text(there), folder.string());
 }
 
 void require_disk(const DiskEstimate& estimate, const fs::path& folder) {

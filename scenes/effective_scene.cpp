@@ -147,6 +147,22 @@ std::string name_in_identity(const std::string& identity) {
   return json.is_object() && json.contains("name") && json["name"].is_string() ? json["name"] : "";
 }
 
+std::vector<std::string> changed_settings(const std::string& before, const std::string& now) {
+  const auto flat = [](const std::string& text) {
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    return json.is_object() ? json.flatten() : nlohmann::json::object();
+  };
+  const nlohmann::json old_scene = flat(before), new_scene = flat(now);
+  std::vector<std::string> changed;
+  for (const auto& [pointer, value] : new_scene.items()) {
+    const auto old_value = old_scene.find(pointer);
+    if (old_value == old_scene.end() || *old_value == value) continue;
+    if (pointer == "/frames" || pointer.ends_with("/file")) continue;
+    changed.push_back(fmt::format("{} was {}, is {}", pointer, old_value->dump(), value.dump()));
+  }
+  return changed;
+}
+
 std::string identity_difference(const std::string& before, const std::string& now) {
   const auto parse = [](const std::string& text) { return nlohmann::json::parse(text, nullptr, false); };
   const nlohmann::json old_scene = parse(before), new_scene = parse(now);

@@ -31,6 +31,11 @@ std::string scene_identity(const Scene& scene);
 /// The name of the scene of that identity; empty where there is none.
 std::string name_in_identity(const std::string& identity);
 
+/// What two effective scenes of the same run set differently, each as "/pointer was one value, is another". Frames
+/// are left out, as a run is asked for them anew each time, and names of files, of which the content counts.
+/// Empty where one of the texts is no scene.
+std::vector<std::string> changed_settings(const std::string& before, const std::string& now);
+
 /// Names the first difference between two identities, for a message; empty where there is none.
 std::string identity_difference(const std::string& before, const std::string& now);
 

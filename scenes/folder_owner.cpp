@@ -10,6 +10,7 @@
 #include "scenes/effective_scene.h"
 #include "scenes/manifest.h"
 #include "scenes/sha256.h"
+#include "scenes/version.h"
 
 namespace wick::scenes {
 
@@ -92,6 +93,18 @@ void require_no_other_run(const RunFolder& folder, const std::string& identity_s
       fmt::format("{} holds a run of {} (its run.json names another scene, or a changed one) choose another "
                   "--out, or --restart to replace it",
                   folder.root.string(), record->scene.empty() ? "another scene" : record->scene));
+}
+
+void require_same_run(const RunFolder& folder, const CheckpointHeader& header, const std::string& identity) {
+  const std::string difference = identity_difference(header.identity, identity);
+  if (!difference.empty())
+    refuse(fmt::format("{} holds another run, of {} ({}) choose another --out, or --restart to replace it",
+                       folder.root.string(), name_in_identity(header.identity), difference));
+  if (header.version != version)
+    refuse(
+        fmt::format("{} was begun by wick {}, this is {} (the state may mean something else) choose another --out, "
+                    "or --restart to replace it",
+                    folder.root.string(), header.version, version));
 }
 
 }  // namespace wick::scenes

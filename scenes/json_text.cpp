@@ -147,8 +147,10 @@ void set_value(Json& root, std::string_view assignment) {
   require(equals != std::string_view::npos && text.starts_with('/'), "",
           fmt::format("--set {} is not /pointer=value (as in --set /frames=24)", in_quotes(assignment)),
           ExitCode::command_line);
-  Json* node = &root;
-  std::string pointer;
+  const std::string_view value = assignment.substr(equals + 1);
+  const bool removal = value == "null";
+  Json *node = &root, *object = nullptr;
+  std::string pointer, key;
   for (std::size_t begin = 1; begin <= text.size();) {
     const std::size_t end = std::min(text.find('/', begin), text.size());
     const std::string token = unescape(text.substr(begin, end - begin));
@@ -159,10 +161,16 @@ void set_value(Json& root, std::string_view assignment) {
     if (node->is_null()) *node = is_index(token) ? Json::array() : Json::object();
     require(node->is_structured(), pointer, "--set looks inside a value that is no object or array",
             ExitCode::command_line);
+    if (removal && node->is_object() && !node->contains(token)) return;
+    object = node->is_object() ? node : nullptr;
+    key = token;
     node = node->is_array() ? &element(*node, token, pointer) : &(*node)[token];
     begin = end + 1;
   }
-  const std::string_view value = assignment.substr(equals + 1);
+  if (removal && object != nullptr) {
+    object->erase(key);
+    return;
+  }
   try {
     *node = parse_json(value);
   } catch (const Refusal&) {

@@ -11,7 +11,8 @@ namespace wick::scenes {
 nlohmann::ordered_json parse_json(std::string_view text);
 
 /// Applies one `--set /pointer=value`. `value` is read as JSON where it is JSON, as a string where it is not.
-/// Missing objects are created; a missing array element is created when its index is the array's length.
+/// `null` removes a member of an object, as there is nothing else that it could be. Missing objects are created; a
+/// missing array element is created when its index is the array's length.
 void set_value(nlohmann::ordered_json& root, std::string_view assignment);
 
 /// A string in quotes, control characters escaped: fit for a one-line message.

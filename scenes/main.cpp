@@ -56,7 +56,7 @@ void add_scene_options(CLI::App& command, CommandLine& line) {
       ->check(not_empty);
   add_number(command, "--frames", line.frames, 1, 10000000,
              "frames to compute, counted from the first (the initial state)");
-  command.add_option("--set", line.options.set, "change one parameter; may be given again for others")
+  command.add_option("--set", line.options.set, "change one parameter, or remove it (null); may be given again")
       ->type_name("/POINTER=VALUE")
       ->allow_extra_args(false);
   add_number(command, "--threads", line.options.threads, 1, 1024, "threads to use [all]");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "scenes/hdf5_image.h"
@@ -40,6 +41,21 @@ void Metrics::set(int frame, const std::string& path, double value) {
   std::vector<double>& column = columns_[path];
   column.resize(rows(), filler(path));
   column.at(static_cast<std::size_t>(frame) - 1) = value;
+}
+
+void Metrics::recall_output_times(std::string_view file) {
+  const Hdf5Reader reader(file);
+  std::vector<std::uint64_t> hashes(reader.rows("/state_hash", ScalarType::u64, 1));
+  reader.read("/state_hash", ScalarType::u64, hashes.data());
+  std::size_t same = 0;
+  while (same < std::min(hashes.size(), rows()) && hashes[same] == state_hash_[same]) ++same;
+  for (const char* path : {output_timing, background_timing}) {
+    const auto column = columns_.find(path);
+    if (column == columns_.end() || !reader.has(path)) continue;
+    std::vector<double> seconds(reader.rows(path, ScalarType::f64, 1));
+    reader.read(path, ScalarType::f64, seconds.data());
+    std::copy_n(seconds.begin(), std::min(same, seconds.size()), column->second.begin());
+  }
 }
 
 const std::vector<double>* Metrics::column(const std::string& path) const {

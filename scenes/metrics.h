@@ -3,6 +3,7 @@
 /// anew each frame and replaced whole, so a crash never costs an earlier frame.
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "coupling/world.h"
@@ -26,6 +27,10 @@ class Metrics {
 
   /// Replaces one value of the row of `frame`.
   void set(int frame, const std::string& path, double value);
+
+  /// Takes what outputs cost from `file`, a metrics.h5, for the first rows of which it tells the same states.
+  /// Throws std::runtime_error where it is no such file; to be asked of verified bytes only.
+  void recall_output_times(std::string_view file);
 
   [[nodiscard]] std::size_t rows() const { return state_hash_.size(); }
   [[nodiscard]] std::uint64_t last_hash() const { return state_hash_.empty() ? 0 : state_hash_.back(); }

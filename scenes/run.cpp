@@ -1,6 +1,7 @@
 #include "scenes/run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include "scenes/motion_output.h"
 #include "scenes/output_queue.h"
 #include "scenes/progress.h"
+#include "scenes/rare_events.h"
 #include "scenes/run_folder.h"
 #include "scenes/run_record.h"
 #include "scenes/scene_file.h"
@@ -40,6 +42,13 @@ std::string hex(std::uint64_t value) {
   return fmt::format("{:016x}", value);
 }
 
+coupling::FrameReport initial_report(const coupling::World& world) {
+  coupling::FrameReport report;
+  report.frame = world.frame();
+  report.time = world.time();
+  return report;
+}
+
 /// One run of one scene into one folder.
 class Run {
  public:
@@ -56,7 +65,8 @@ class Run {
   }
 
   ExitCode execute() {
-    require_disk(estimate_disk(*world_, scene_), folder_.root);
+    const DiskEstimate disk = estimate_disk(*world_, scene_);
+    require_disk(disk, folder_.root);
     make_folder(folder_.root);
     const FolderLock lock(folder_.root);
     folder_.require_free_names();
@@ -65,11 +75,17 @@ class Run {
     record_.scene_file_sha256 = sha256(text);
     folder_.tidy();
     if (options_.restart) folder_.clear(scene_);
+    changed_ = changed_settings(folder_.recorded_scene(), text);
     const bool resumed = resume();
     try {
       if (resumed && world_->frame() >= scene_.frames) return already_complete();
+      if (!resumed) changed_.clear();
+      for (const std::string& found : scene_.warnings) warn(found);
+      for (const std::string& found : world_->warnings()) warn(found);
+      const std::string shortage = disk_shortage(disk, scene_, resumed ? world_->frame() : 0, folder_.root);
+      if (!shortage.empty()) warn(shortage);
       take_folder(text);
-      if (!resumed) write_frame(first_report(), true);
+      if (!resumed) write_frame(initial_report(*world_), true);
       return compute();
     } catch (const std::exception& error) {
       fail(error);
@@ -139,7 +155,7 @@ class Run {
       const fs::path path = folder_.checkpoints() / checkpoint_name(frame);
       try {
         const Checkpoint checkpoint(path);
-        require_same_run(checkpoint.header());
+        require_same_run(folder_, checkpoint.header(), identity_);
         restore(checkpoint);
         return true;
       } catch (const Refusal& refusal) {
@@ -165,31 +181,21 @@ class Run {
     metrics_ = Metrics();
   }
 
-  void require_same_run(const CheckpointHeader& header) const {
-    const std::string difference = identity_difference(header.identity, identity_);
-    require(difference.empty(), "",
-            fmt::format("{} holds another run, of {} ({}) choose another --out, or --restart to replace it",
-                        folder_.root.string(), name_in_identity(header.identity), difference),
-            ExitCode::output_cannot_be_made);
-    require(
-        header.version == version, "",
-        fmt::format("{} was begun by wick {}, this is {} (the state may mean something else) choose another --out, "
-                    "or --restart to replace it",
-                    folder_.root.string(), header.version, version),
-        ExitCode::output_cannot_be_made);
-  }
-
   void restore(const Checkpoint& checkpoint) {
     checkpoint.read([&](StateVisitor& v) { metrics_.visit(v); }, [&](StateVisitor& v) { world_->visit(v); });
     world_->restored();
     if (world_->frame() != checkpoint.header().frame || world_->state_hash() != checkpoint.header().state_hash)
       throw std::runtime_error("it does not give back the state that it recorded");
+    // What the last frame's outputs cost is known after its checkpoint: only the file that ended the run tells it.
+    if (const Bytes ended = recorded_metrics(folder_); !ended.empty()) metrics_.recall_output_times(ended);
     last_checkpoint_ = world_->time();
     record_.frames = world_->frame();
-    record_.unconverged_solves = 0;
     record_.state_hash = hex(metrics_.last_hash());
-    if (const auto* unconverged = metrics_.column("/unconverged_solves"))
-      for (const double count : *unconverged) record_.unconverged_solves += static_cast<long long>(count);
+    long long unconverged = 0;
+    if (const auto* counts = metrics_.column("/unconverged_solves"))
+      for (const double count : *counts) unconverged += static_cast<long long>(count);
+    rare_.set_unconverged(unconverged);
+    record_.unconverged_solves = unconverged;
   }
 
   ExitCode already_complete() {
@@ -199,28 +205,30 @@ class Run {
               "{} is complete: it has {} frames and {} were asked for (--frames for more, --restart to begin "
               "anew)\n",
               folder_.root.string(), world_->frame(), scene_.frames));
+    if (!changed_.empty())
+      warn(
+          fmt::format("{}: nothing was computed with that, as the run is complete; --frames for more continues "
+                      "with it, --restart "
+                      "makes all frames anew",
+                      fmt::join(changed_, "; ")));
     // A run killed between its last checkpoint and its record left the record behind; metrics may have been lost
     // since.
-    write_file(folder_.metrics(), metrics_.file());
+    const bool metrics_stand = !recorded_metrics(folder_).empty();
+    if (!metrics_stand) write_metrics();
     write_motion();
     const std::optional<RecordedRun> recorded = read_run_record(folder_.record());
     if (recorded) record_.scene_file_sha256 = recorded->scene_file_sha256;
     const bool said_done = recorded && recorded->outcome == "done";
-    if (!said_done || !record_.damaged_outputs.empty()) keeper_.write(record_, "done");
+    if (!said_done || !metrics_stand || !record_.damaged_outputs.empty()) keeper_.write(record_, "done");
     return ExitCode::done;
-  }
-
-  [[nodiscard]] coupling::FrameReport first_report() const {
-    coupling::FrameReport report;
-    report.frame = world_->frame();
-    report.time = world_->time();
-    return report;
   }
 
   ExitCode compute() {
     Progress progress(world_->frame(), scene_.frames, options_.quiet);
     if (world_->frame() > 1)
       progress.note(fmt::format("going on from frame {} in {}", world_->frame(), folder_.root.string()));
+    if (!changed_.empty())
+      progress.note(fmt::format("changed from frame {} on: {}", world_->frame() + 1, fmt::join(changed_, "; ")));
     while (world_->frame() < scene_.frames && !stop_requested()) {
       const auto start = Clock::now();
       coupling::FrameReport report =
@@ -237,7 +245,7 @@ class Run {
     const bool done = world_->frame() >= scene_.frames;
     finish_writing();
     if (done) write_motion();
-    warn_of_rare_events();
+    for (const std::string& text : rare_.warnings()) warn(text);
     keeper_.write(record_, done ? "done" : "checkpointed");
     progress.summary(keeper_.seconds(), outputs_.background_seconds());
     if (!options_.quiet)
@@ -246,23 +254,6 @@ class Run {
                       world_->frame(), seconds_text(keeper_.seconds()), record_.state_hash, record_.checkpoint_s,
                       done ? "" : "; stopped on request, the same command goes on"));
     return done ? ExitCode::done : ExitCode::checkpointed;
-  }
-
-  void warn_of_rare_events() {
-    if (record_.unconverged_solves > 0)
-      warn(fmt::format(
-          "{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)",
-          record_.unconverged_solves));
-    if (squeezed_steps_ > 0)
-      warn(fmt::format(
-          "in {} steps closed walls pushed more gas in than out, which cannot flow anywhere: open a side of "
-          "/smoke/sides, or keep obstacles from entering a closed box",
-          squeezed_steps_));
-    if (lengthened_steps_ > 0)
-      warn(
-          fmt::format("{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten "
-                      "the frame",
-                      lengthened_steps_));
   }
 
   /// Checks the state, then hands everything that the frame writes to the writer's thread.
@@ -284,9 +275,8 @@ class Run {
     metrics_.set(frame, output_timing, output_seconds_);
     record_.frames = frame;
     record_.state_hash = hex(hash);
-    record_.unconverged_solves += report.unconverged_solves;
-    lengthened_steps_ += report.lengthened_steps;
-    squeezed_steps_ += report.squeezed_steps;
+    rare_.add(report);
+    record_.unconverged_solves = rare_.unconverged_solves();
   }
 
   void add_checkpoint(FrameOutput& output) {
@@ -317,7 +307,13 @@ class Run {
     outputs_.note_times(metrics_);
     output_seconds_ += seconds_since(start);
     if (computed_) metrics_.set(world_->frame(), output_timing, output_seconds_);
-    write_file(folder_.metrics(), metrics_.file());
+    write_metrics();
+  }
+
+  void write_metrics() {
+    const Bytes bytes = metrics_.file();
+    record_.metrics_sha256 = sha256(bytes);
+    write_file(folder_.metrics(), bytes);
   }
 
   /// Joins what the frames recorded of the movement, once the writer's thread is done.
@@ -358,14 +354,14 @@ class Run {
   RunFolder folder_;
   std::string identity_;
   std::unique_ptr<coupling::World> world_;
+  std::vector<std::string> changed_;  ///< settings, since the folder's scene.json
   Metrics metrics_;
   RunRecord record_;
   RecordKeeper keeper_{folder_};
   bool computed_ = false;        ///< a frame, by this process
   double output_seconds_ = 0.0;  ///< that the simulation waited for the outputs of the last frame
   double last_checkpoint_ = -1;  ///< simulated time of the state that was saved last [s]
-  long long lengthened_steps_ = 0;
-  long long squeezed_steps_ = 0;
+  RareEvents rare_;
   OutputQueue outputs_{folder_, scene_.output};
 };
 

@@ -129,6 +129,15 @@ void RunFolder::require_free_names() const {
             ExitCode::output_cannot_be_made);
 }
 
+std::string RunFolder::recorded_scene() const {
+  constexpr std::uint64_t largest_scene = 16 << 20;
+  try {
+    return read_file(scene(), largest_scene);
+  } catch (const Refusal&) {
+    return "";
+  }
+}
+
 std::vector<fs::path> RunFolder::frame_folders() const {
   return {volumes(), meshes(), previews(), motions(), motion_frames()};
 }

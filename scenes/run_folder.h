@@ -54,6 +54,9 @@ struct RunFolder {
   /// What is there of the names that a run of this scene writes for its frames.
   [[nodiscard]] std::vector<std::filesystem::path> frames_of(const Scene& of) const;
 
+  /// The effective scene of the last run; empty where it cannot be read.
+  [[nodiscard]] std::string recorded_scene() const;
+
   /// Throws Refusal (output_cannot_be_made) where a folder has the name of a file that every run writes.
   void require_free_names() const;
   /// Removes half-made files of a killed run.

@@ -7,6 +7,7 @@
 #include "scenes/atomic_file.h"
 #include "scenes/git_revision.h"
 #include "scenes/machine.h"
+#include "scenes/sha256.h"
 #include "scenes/version.h"
 
 namespace wick::scenes {
@@ -26,6 +27,7 @@ std::string run_record_text(const RunRecord& record) {
   json["state_hash"] = record.state_hash;
   json["scene_sha256"] = record.scene_sha256;
   json["scene_file_sha256"] = record.scene_file_sha256;
+  json["metrics_sha256"] = record.metrics_sha256;
   json["checkpoint_s"] = record.checkpoint_s;
   json["unconverged_solves"] = record.unconverged_solves;
   json["damaged_outputs"] = record.damaged_outputs;
@@ -45,9 +47,22 @@ std::optional<RecordedRun> read_run_record(const std::filesystem::path& file) {
   const auto text = [&](const char* key) -> std::string {
     return json.is_object() && json.contains(key) && json[key].is_string() ? json[key] : "";
   };
-  RecordedRun run{text("scene"), text("scene_sha256"), text("scene_file_sha256"), text("outcome")};
+  RecordedRun run{text("scene"), text("scene_sha256"), text("scene_file_sha256"), text("metrics_sha256"),
+                  text("outcome")};
   if (run.scene_sha256.empty() || run.outcome.empty()) return std::nullopt;
   return run;
+}
+
+Bytes recorded_metrics(const RunFolder& folder) {
+  constexpr std::uint64_t largest_metrics = std::uint64_t{4} << 30;
+  const std::optional<RecordedRun> recorded = read_run_record(folder.record());
+  if (!recorded || recorded->metrics_sha256.empty()) return {};
+  try {
+    Bytes bytes = read_file(folder.metrics(), largest_metrics);
+    return sha256(bytes) == recorded->metrics_sha256 ? bytes : Bytes();
+  } catch (const Refusal&) {
+    return {};
+  }
 }
 
 RecordKeeper::~RecordKeeper() {

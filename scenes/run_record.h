@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/atomic_file.h"
 #include "scenes/run_folder.h"
 
 namespace wick::scenes {
@@ -22,6 +23,7 @@ struct RunRecord {
   std::string state_hash;           ///< of the last frame
   std::string scene_sha256;
   std::string scene_file_sha256;  ///< of scene.json as the run wrote it
+  std::string metrics_sha256;     ///< of metrics.h5 at the end of the run; empty until then
   double checkpoint_s = 0.0;      ///< to make and write the last checkpoint [s], for the notice a farm should give
   long long unconverged_solves = 0;
   std::vector<std::string> damaged_outputs;  ///< of earlier frames, below the folder; see manifest.json
@@ -32,10 +34,13 @@ std::string run_record_text(const RunRecord& record);
 
 /// What a later run needs of a record.
 struct RecordedRun {
-  std::string scene, scene_sha256, scene_file_sha256, outcome;
+  std::string scene, scene_sha256, scene_file_sha256, metrics_sha256, outcome;
 };
 /// Reads a run.json; nothing where there is none, or it is no record of a run.
 std::optional<RecordedRun> read_run_record(const std::filesystem::path& file);
+
+/// The metrics.h5 that the folder's record vouches for; empty where it has changed, or no run has ended there.
+Bytes recorded_metrics(const RunFolder& folder);
 
 /// Keeps run.json up to date, with space set aside so that the last word is written to a full disk too.
 class RecordKeeper {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <set>
 
 #include "core/parameters.h"
@@ -92,7 +93,22 @@ void describe(ParameterVisitor& v, Scene& scene) {
   v.nested("output", "what is written", scene.output);
 }
 
+namespace {
+
+/// A step may not be longer than max_step, nor a frame have more steps than max_substeps.
+void require_enough_steps(const Scene& scene) {
+  const coupling::CouplingParams& coupling = scene.world.coupling;
+  const double least = std::ceil(1.0 / scene.fps / coupling.max_step * (1.0 - 1e-9));
+  require(least <= coupling.max_substeps, "/fps",
+          fmt::format("a frame of {:.4g} s takes {:.0f} steps or more of /coupling/max_step, {:.4g} s "
+                      "(/coupling/max_substeps allows {}) raise that, or take more frames a second",
+                      1.0 / scene.fps, least, coupling.max_step, coupling.max_substeps));
+}
+
+}  // namespace
+
 void require_valid(const Scene& scene) {
+  require_enough_steps(scene);
   std::set<std::string> grids;
   const GridNames& names = scene.output.volume.names;
   const std::pair<const char*, const std::string*> entries[] = {{"density", &names.density},

@@ -1,6 +1,7 @@
 #pragma once
 /// A scene: how many frames of which world, and what is written of them.
 #include <string>
+#include <vector>
 
 #include "coupling/world_params.h"
 #include "scenes/preview.h"
@@ -73,6 +74,7 @@ struct Scene {
   double fps = 24.0;
   coupling::WorldParams world;
   OutputParams output;
+  std::vector<std::string> warnings = {};  ///< of reading it, each with its pointer in front; not a parameter
 };
 void describe(ParameterVisitor& visitor, Scene& scene);
 

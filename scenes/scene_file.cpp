@@ -25,11 +25,8 @@ constexpr std::uint64_t largest_scene = 16 << 20;
 
 const char* type_of(const Json& node) {
   if (node.is_number()) return "a number";
-  return node.is_string()    ? "a string"
-         : node.is_boolean() ? "true or false"
-         : node.is_null()    ? "null"
-         : node.is_array()   ? "an array"
-                             : "an object";
+  if (node.is_boolean()) return node.get<bool>() ? "true" : "false";
+  return node.is_string() ? "a string" : node.is_null() ? "null" : node.is_array() ? "an array" : "an object";
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -46,43 +43,54 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+/// What a reader tells besides the values.
+struct Remarks {
+  std::vector<std::string>& warnings;
+  const char* idle = nullptr;  ///< why the parameters that are being listed have no effect; null: they have
+};
+
 /// Reads one JSON object; every nested object has a reader of its own.
 class ParameterReader final : public ParameterVisitor {
  public:
-  ParameterReader(const Json& object, std::string pointer) : object_(object), pointer_(std::move(pointer)) {
+  ParameterReader(const Json& object, std::string pointer, const Remarks& remarks)
+      : object_(object), pointer_(std::move(pointer)), remarks_(remarks) {
     require(object.is_object(), pointer_,
             fmt::format("expected an object, found {} (sections are written in braces)", type_of(object)));
   }
 
   void number(const About& about, double& value) override {
-    if (const Json* node = take(about.key)) value = real(*node, about.range, here(about.key));
+    if (const Json* node = take(about.key)) assign(about, value, real(*node, about.range, here(about.key)));
   }
   void integer(const About& about, int& value) override {
-    if (const Json* node = take(about.key)) value = whole(*node, about.range, here(about.key));
+    if (const Json* node = take(about.key)) assign(about, value, whole(*node, about.range, here(about.key)));
   }
   void flag(const About& about, bool& value) override {
     const Json* node = take(about.key);
     if (!node) return;
     expect(node->is_boolean(), "true or false", *node, here(about.key));
-    value = node->get<bool>();
+    assign(about, value, node->get<bool>());
   }
   void text(const About& about, std::string& value) override {
     const Json* node = take(about.key);
     if (!node) return;
     expect(node->is_string(), "a string", *node, here(about.key));
-    value = node->get<std::string>();
+    assign(about, value, node->get<std::string>());
     if (is_name(about)) require_name(value, here(about.key));
     require(value.find('\0') == std::string::npos, here(about.key), "holds a zero byte (no name or file can)");
   }
   void numbers(const About& about, std::span<double> values) override {
     const Json* node = fixed_array(about.key, values.size(), "numbers");
+    std::vector<double> read(values.begin(), values.end());
     for (std::size_t i = 0; node && i < values.size(); ++i)
-      values[i] = real((*node)[i], about.range, pointer_to(here(about.key), std::to_string(i)));
+      read[i] = real((*node)[i], about.range, pointer_to(here(about.key), std::to_string(i)));
+    assign_all(about, values, read);
   }
   void integers(const About& about, std::span<int> values) override {
     const Json* node = fixed_array(about.key, values.size(), "whole numbers");
+    std::vector<int> read(values.begin(), values.end());
     for (std::size_t i = 0; node && i < values.size(); ++i)
-      values[i] = whole((*node)[i], about.range, pointer_to(here(about.key), std::to_string(i)));
+      read[i] = whole((*node)[i], about.range, pointer_to(here(about.key), std::to_string(i)));
+    assign_all(about, values, read);
   }
   void index_list(const About& about, std::vector<int>& values) override {
     const Json* node = take(about.key);
@@ -101,18 +109,25 @@ class ParameterReader final : public ParameterVisitor {
     require(found != known.end(), here(about.key),
             fmt::format("{} is not a choice (there are {}) {}", in_quotes(node->get_ref<const std::string&>()),
                         fmt::join(known, ", "), suggestion(node->get<std::string>(), known)));
-    value = static_cast<int>(found - known.begin());
+    assign(about, value, static_cast<int>(found - known.begin()));
   }
   void group(const char* key, const char*, FunctionRef<void(ParameterVisitor&)> describe) override {
-    if (const Json* node = take(key)) read(*node, here(key), describe);
+    if (const Json* node = take(key)) read(*node, here(key), remarks_, describe);
+  }
+  void only(bool effective, const char* otherwise, FunctionRef<void()> list) override {
+    const char* const outer = remarks_.idle;
+    if (outer == nullptr && !effective) remarks_.idle = otherwise;
+    list();
+    remarks_.idle = outer;
   }
   void optional_group(const char* key, const char*, bool present, FunctionRef<void(bool)> engage,
                       FunctionRef<void(ParameterVisitor&)> describe) override {
     const Json* node = take(key);
     if (!node) return;
-    if (node->is_null()) return engage(false);
+    require(!node->is_null(), here(key),
+            "null is no section (it could mean none, or its defaults) leave the key out for none, or write {}");
     if (!present) engage(true);
-    read(*node, here(key), describe);
+    read(*node, here(key), remarks_, describe);
   }
   void group_list(const char* key, const char*, std::size_t, FunctionRef<void(std::size_t)> resize,
                   FunctionRef<void(ParameterVisitor&, std::size_t)> describe,
@@ -122,19 +137,39 @@ class ParameterReader final : public ParameterVisitor {
     expect(node->is_array(), "an array of objects", *node, here(key));
     require(node->size() <= longest_list, here(key),
             fmt::format("{} elements (at most {} are allowed)", node->size(), longest_list));
+    if (!node->empty()) remark(key);
     resize(node->size());
     for (std::size_t i = 0; i < node->size(); ++i)
-      read((*node)[i], pointer_to(here(key), std::to_string(i)), [&](ParameterVisitor& v) { describe(v, i); });
+      read((*node)[i], pointer_to(here(key), std::to_string(i)), {remarks_.warnings},
+           [&](ParameterVisitor& v) { describe(v, i); });
   }
 
-  static void read(const Json& node, const std::string& pointer, FunctionRef<void(ParameterVisitor&)> describe) {
-    ParameterReader reader(node, pointer);
+  static void read(const Json& node, const std::string& pointer, const Remarks& remarks,
+                   FunctionRef<void(ParameterVisitor&)> describe) {
+    ParameterReader reader(node, pointer, remarks);
     describe(reader);
     reader.require_all_known();
   }
 
  private:
   [[nodiscard]] std::string here(const char* key) const { return pointer_to(pointer_, key); }
+
+  /// Warns of `key` where it has no effect.
+  void remark(const char* key) {
+    if (remarks_.idle == nullptr) return;
+    remarks_.warnings.push_back(fmt::format("{}: has no effect ({})", here(key), remarks_.idle));
+  }
+  /// What an effective scene repeats, the defaults of parameters without effect, is no cause for a warning.
+  template <class T>
+  void assign(const About& about, T& value, T read) {
+    if (!(read == value)) remark(about.key);
+    value = std::move(read);
+  }
+  template <class T>
+  void assign_all(const About& about, std::span<T> values, const std::vector<T>& read) {
+    if (!std::equal(read.begin(), read.end(), values.begin())) remark(about.key);
+    std::copy(read.begin(), read.end(), values.begin());
+  }
 
   /// The value of `key` if the file has one; either way the key is known from now on.
   const Json* take(const char* key) {
@@ -152,7 +187,7 @@ class ParameterReader final : public ParameterVisitor {
   }
   static void expect(bool right, const char* wanted, const Json& node, const std::string& pointer) {
     if (right) return;
-    const std::string value = node.is_structured() ? "" : fmt::format(" {}", quoted_value(node));
+    const std::string value = node.is_number() || node.is_string() ? fmt::format(" {}", quoted_value(node)) : "";
     throw Refusal(ExitCode::scene_invalid, pointer,
                   fmt::format("expected {}, found {}{} (wrong type)", wanted, type_of(node), value));
   }
@@ -191,6 +226,7 @@ class ParameterReader final : public ParameterVisitor {
 
   const Json& object_;
   std::string pointer_;
+  Remarks remarks_;
   std::vector<std::string> known_;
 };
 
@@ -210,13 +246,15 @@ std::string nearest(const std::string& word, const std::vector<std::string>& kno
   return smallest <= std::max<std::size_t>(2, best.size() / 2) ? best : "";
 }
 
-void read_parameters(const Json& json, FunctionRef<void(ParameterVisitor&)> describe) {
-  ParameterReader::read(json, "", describe);
+std::vector<std::string> read_parameters(const Json& json, FunctionRef<void(ParameterVisitor&)> describe) {
+  std::vector<std::string> warnings;
+  ParameterReader::read(json, "", {warnings}, describe);
+  return warnings;
 }
 
 Scene scene_from_json(const Json& json, const std::string& directory) {
   Scene scene;
-  read_parameters(json, [&](ParameterVisitor& v) { describe(v, scene); });
+  scene.warnings = read_parameters(json, [&](ParameterVisitor& v) { describe(v, scene); });
   scene.world.directory = directory;
   require_valid(scene);
   read_motions(scene);

@@ -19,8 +19,10 @@ Scene read_scene(const std::filesystem::path& path, const std::vector<std::strin
 /// motions are read.
 Scene scene_from_json(const nlohmann::ordered_json& json, const std::string& directory);
 
-/// Fills one parameter struct from a JSON object through its describe(); for tests and tools.
-void read_parameters(const nlohmann::ordered_json& json, FunctionRef<void(ParameterVisitor&)> describe);
+/// Fills one parameter struct from a JSON object through its describe(). Returns a warning for each parameter that
+/// the object changes and that has no effect beside the others, with its pointer in front.
+std::vector<std::string> read_parameters(const nlohmann::ordered_json& json,
+                                         FunctionRef<void(ParameterVisitor&)> describe);
 
 /// One line for the user: `file: /pointer: problem (why) suggestion`.
 std::string format_refusal(const std::string& file, const Refusal& refusal);

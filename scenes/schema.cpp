@@ -76,7 +76,6 @@ class SchemaWriter final : public ParameterVisitor {
   void optional_group(const char* key, const char* doc, bool, FunctionRef<void(bool)>,
                       FunctionRef<void(ParameterVisitor&)> describe) override {
     properties_[key] = object_schema(describe);
-    properties_[key]["type"] = {"object", "null"};
     properties_[key]["description"] = doc;
   }
   void group_list(const char* key, const char* doc, std::size_t, FunctionRef<void(std::size_t)>,

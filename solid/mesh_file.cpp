@@ -47,4 +47,24 @@ void keep_material_if_isometric(TriangleSoup& soup) {
   if (!isometric) soup.material.clear();
 }
 
+std::vector<int> drop_loose_vertices(TriangleSoup& soup) {
+  std::vector<int> number(soup.positions.size(), -1);
+  for (const Int3& t : soup.triangles)
+    for (const int i : t) number[i] = 0;
+  int kept = 0;
+  for (int& n : number)
+    if (n == 0) n = kept++;
+  if (kept == static_cast<int>(number.size())) return {};
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) continue;
+    soup.positions[number[i]] = soup.positions[i];
+    if (!soup.material.empty()) soup.material[number[i]] = soup.material[i];
+  }
+  soup.positions.resize(kept);
+  if (!soup.material.empty()) soup.material.resize(kept);
+  for (Int3& t : soup.triangles)
+    for (int& i : t) i = number[i];
+  return number;
+}
+
 }  // namespace wick::solid

@@ -20,4 +20,8 @@ TriangleSoup parse_obj(std::string_view text, const std::string& name);
 /// Empties soup.material unless it is a chart in metres of the positions, edge by edge within 1 %.
 void keep_material_if_isometric(TriangleSoup& soup);
 
+/// Removes the vertices that no triangle names; the others keep their order. Returns the new number of every
+/// vertex, -1 where it is gone; empty where all stay.
+std::vector<int> drop_loose_vertices(TriangleSoup& soup);
+
 }  // namespace wick::solid

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "coupling/exchange.h"
+#include "coupling/obstacles.h"
 #include "coupling/sheet.h"
 #include "coupling/world.h"
 #include "fluid/advection.h"
@@ -105,7 +106,8 @@ Exchange step(World& world, const WorldParams& params) {
   const fluid::SmokeParams& smoke = *params.smoke;
   Raster raster(fluid::smoke_grid(smoke), smoke.sides);
   const ShellView sheet = world.shells().front();
-  raster.see({{sheet.mesh, sheet.x, sheet.v}}, build_obstacles(params));
+  std::vector<std::string> warnings;
+  raster.see({{sheet.mesh, sheet.x, sheet.v}}, build_obstacles(params, warnings));
   const Vec3 sheet_before = momentum_of_sheet(world, params);
   const fluid::FaceField arrived = carried(smoke, raster, world.smoke()->velocity);
   const FrameReport report = world.step(dt);

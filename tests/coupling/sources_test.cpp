@@ -23,7 +23,8 @@ WorldParams world_with_box() {
 
 TEST(HeatSource, BoxHeatsTheVerticesInsideItAndMoves) {
   const WorldParams world = world_with_box();
-  const Sheet sheet = build_sheet(world.shells[0], "/shells/0", world);
+  std::vector<std::string> warnings;
+  const Sheet sheet = build_sheet(world.shells[0], "/shells/0", world, warnings);
   for (const double time : {0.0, 0.6}) {
     const SheetSupply supply = sheet_supply(world, sheet, 293.15, 806.85, time, 0.1);
     for (std::size_t i = 0; i < sheet.mesh.vertex_count(); ++i) {

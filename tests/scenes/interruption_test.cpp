@@ -77,6 +77,33 @@ TEST_F(Interruption, MoreFramesGoOnWhereTheRunEnded) {
   EXPECT_EQ(record("parts")["frames"], 9);
 }
 
+/// Settings that may change act on frames to come only: a complete run says that there are none.
+TEST_F(Interruption, NamesChangedSettingsAndWhereTheyAct) {
+  const auto told = [&](int count, const std::vector<std::string>& more) {
+    std::vector<std::string> all{"run", "small.json", "--out", "a", "--frames", std::to_string(count)};
+    all.insert(all.end(), more.begin(), more.end());
+    Program program(folder_, all);
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    return program.err();
+  };
+  const std::vector<std::string> previews{"--set", "/output/preview/write=true"};
+  told(3, {});
+  EXPECT_EQ(told(3, {}), "");
+  EXPECT_EQ(told(2, {}), "");
+  const std::string complete = told(3, previews);
+  EXPECT_NE(
+      complete.find("wick: warning: /output/preview/write was false, is true: nothing was computed with that"),
+      std::string::npos)
+      << complete;
+  EXPECT_EQ(std::count(complete.begin(), complete.end(), '\n'), 1) << complete;
+  EXPECT_FALSE(fs::exists(folder_ / "a/previews"));
+  const std::string longer = told(4, previews);
+  EXPECT_NE(longer.find("changed from frame 4 on: /output/preview/write was false, is true\n"), std::string::npos)
+      << longer;
+  EXPECT_TRUE(fs::exists(folder_ / "a/previews/0004.png"));
+  EXPECT_EQ(told(4, previews), "") << "which is what the folder records now";
+}
+
 TEST_F(Interruption, StopsOnRequestAndGoesOn) {
   ASSERT_EQ(run("whole"), 0);
   for (const int signal : {SIGTERM, SIGINT, SIGUSR2}) {

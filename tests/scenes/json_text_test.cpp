@@ -81,11 +81,12 @@ TEST(JsonText, SurvivesEveryTruncationAndByteChange) {
 
 TEST(JsonText, SetsValues) {
   Json json = parse_json(R"({"a": {"b": 1}, "list": [{"x": 1}]})");
-  for (const char* assignment : {"/a/b=2", "/a/new/deep=[1, 2]", "/list/1/x=5", "/list/0/x=true",
-                                 "/word=plain text", "/quoted=\"7\"", "/made/0/y=3", "/a~1b=null", "/empty="})
+  for (const char* assignment :
+       {"/a/b=2", "/a/new/deep=[1, 2]", "/list/1/x=5", "/list/0/x=true", "/word=plain text", "/quoted=\"7\"",
+        "/made/0/y=3", "/a~1b=4", "/gone/for=1", "/gone/for=null", "/never/there=null", "/empty="})
     set_value(json, assignment);
   EXPECT_EQ(json, parse_json(R"({"a": {"b": 2, "new": {"deep": [1, 2]}}, "list": [{"x": true}, {"x": 5}],
-    "word": "plain text", "quoted": "7", "made": [{"y": 3}], "a/b": null, "empty": ""})"));
+    "word": "plain text", "quoted": "7", "made": [{"y": 3}], "a/b": 4, "gone": {}, "empty": ""})"));
 }
 
 TEST(JsonText, RefusesBadAssignments) {

@@ -234,7 +234,7 @@ TEST_F(MotionFile, IsRefusedWhereItIsNoMotionOfThisSheet) {
   write({.vertices = 10});
   expect_refused("10 vertices (this one has 9)");
   write({.shift = Vec3(0, 0, 1e-3)});
-  expect_refused("another rest shape (vertex 4 is 0.001000 m away)");
+  expect_refused("another rest shape (vertex 4 is 0.001 m away)");
   write({.turned = true});
   expect_refused("other triangles");
 }

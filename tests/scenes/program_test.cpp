@@ -61,11 +61,12 @@ TEST_F(Command, RunsASceneAndLeavesTheContractedFiles) {
 
 /// Every frame's row tells what its outputs cost, the first and the last too, and no residual is missing.
 TEST_F(Command, TimesItsOutputs) {
-  const Outcome outcome = run({"run", "small.json", "--set", "/output/preview/write=true"});
+  const std::vector<std::string> command{"run", "small.json", "--set", "/output/preview/write=true"};
+  const Outcome outcome = run(command);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const std::string bytes = slurp(folder_ / "out/small/metrics.h5");
-  const scenes::Hdf5Reader reader(bytes);
   const auto column = [&](const std::string& path) {
+    const std::string bytes = slurp(folder_ / "out/small/metrics.h5");
+    const scenes::Hdf5Reader reader(bytes);
     std::vector<double> values(reader.rows(path, ScalarType::f64, 1));
     reader.read(path, ScalarType::f64, values.data());
     return values;
@@ -80,6 +81,14 @@ TEST_F(Command, TimesItsOutputs) {
   for (const char* row : {"\noutput  ", "\n  pressure ", "\nwriting, meanwhile "})
     EXPECT_NE(outcome.out.find(row), std::string::npos) << outcome.out;
   EXPECT_EQ(outcome.out.find("background"), std::string::npos) << "which is no part of the steps";
+
+  const std::vector<double> waited = column("/timing/output"), meanwhile = column("/timing/output_background");
+  ASSERT_EQ(run(command).code, 0);
+  EXPECT_EQ(column("/timing/output"), waited) << "a complete run keeps what it measured";
+  EXPECT_EQ(column("/timing/output_background"), meanwhile);
+  ASSERT_EQ(run({"run", "small.json", "--set", "/output/preview/write=true", "--frames", "8"}).code, 0);
+  EXPECT_EQ(column("/timing/output")[5], waited[5]) << "and so does one that goes on";
+  EXPECT_EQ(column("/timing/output_background")[5], meanwhile[5]);
 }
 
 /// What an installed program needs is installed with it, the origin of its meshes included.
@@ -127,6 +136,8 @@ TEST_F(Command, LeavesNothingOfAnInvalidScene) {
   refused({"run", "small.json", "--set", "/smoke/resolutoin=[8,8,8]"}, 65,
           "small.json: /smoke/resolutoin: unknown key");
   refused({"run", "small.json", "--set", "/fps=0"}, 65, "/fps: 0 is out of range");
+  refused({"run", "small.json", "--set", "/fps=0.001"}, 65,
+          "/fps: a frame of 1000 s takes 30000 steps or more of /coupling/max_step");
   refused({"check", "small.json", "--set", "/frames=none"}, 65, "/frames: expected a whole number");
   refused({"run", "small.json", "--set", "frames=3"}, 64, "is not /pointer=value");
   refused({"run", "none.json"}, 66, "no such file");
@@ -171,7 +182,21 @@ TEST_F(Command, RefusesABadCommandLine) {
   EXPECT_EQ(run({"--version"}).code, 0);
 }
 
+TEST_F(Command, WarnsOfParametersWithoutEffect) {
+  const std::string warned = "wick: warning: /burning/pre_exponential: has no effect (law is not arrhenius)\n";
+  for (const char* command : {"check", "run"}) {
+    const Outcome outcome = run({command, "small.json", "--set", "/burning/pre_exponential=7", "--frames", "2"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find(warned), std::string::npos) << outcome.err;
+  }
+  const Outcome still =
+      run({"check", "small.json", "--set", "/shells/0/pins=[{\"edge\": \"-x\", \"velocity\": [1, 0, 0]}]"});
+  EXPECT_NE(still.err.find("/shells/0/pins/0/velocity: has no effect (stop_time is 0"), std::string::npos)
+      << still.err;
+}
+
 TEST_F(Command, AnswersWithoutRunning) {
+  EXPECT_EQ(run({"check", "small.json", "--set", "/fps=0.001", "--set", "/coupling/max_substeps=30000"}).code, 0);
   EXPECT_EQ(run({"check", "small.json"}).code, 0);
   EXPECT_FALSE(fs::exists(folder_ / "out"));
   EXPECT_NE(run({"list"}).out.find("burning_sheet"), std::string::npos);
@@ -287,20 +312,40 @@ TEST_F(Command, RefusesMoreMemoryThanItMayHave) {
   expect_named(many + "]", "/shells: ");
 }
 
+/// Mounts a disk of `size` at disk/, seen by the program alone; ends the program with `skipped` where it may not.
+constexpr int skipped = 97;
+void mount_small_disk(const char* size) {
+  const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
+                       ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                       ::mount("tmpfs", "disk", "tmpfs", 0, size) == 0;
+  if (!mounted) ::_exit(skipped);
+}
+
 /// On a disk of 1 MB a frame of 64^3 cells cannot be written, which is said before anything is.
 TEST_F(Command, RefusesMoreDiskThanThereIs) {
   fs::create_directories(folder_ / "disk");
-  constexpr int skipped = 97;
-  const Outcome outcome =
-      run({"run", "small.json", "--out", "disk/a", "--set", "/smoke/resolution=[64,64,64]"}, [] {
-        const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
-                             ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-                             ::mount("tmpfs", "disk", "tmpfs", 0, "size=1m") == 0;
-        if (!mounted) ::_exit(skipped);
-      });
+  const Outcome outcome = run({"run", "small.json", "--out", "disk/a", "--set", "/smoke/resolution=[64,64,64]"},
+                              [] { mount_small_disk("size=1m"); });
   if (outcome.code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
   EXPECT_EQ(outcome.code, 77) << outcome.err;
   EXPECT_NE(outcome.err.find("of disk for one frame"), std::string::npos) << outcome.err;
+}
+
+/// A hundred frames of 100 kB do not fit on 3 MB if the smoke fills the box; three do.
+TEST_F(Command, WarnsOfARunThatMayFillTheDisk) {
+  fs::create_directories(folder_ / "disk");
+  for (const char* command : {"check", "run"}) {
+    const Outcome tight =
+        run({command, "small.json", "--out", "disk/a", "--frames", "100"}, [] { mount_small_disk("size=3m"); });
+    if (tight.code == skipped) GTEST_SKIP() << "this user may not mount a small disk";
+    const std::size_t warned = tight.err.find("wick: warning: the 100 frames of the run may take up to ");
+    EXPECT_NE(warned, std::string::npos) << tight.err;
+    EXPECT_TRUE(warned < tight.err.find("frame 2/100")) << "before it computes: " << tight.err;
+    const Outcome enough =
+        run({command, "small.json", "--out", "disk/a", "--frames", "3"}, [] { mount_small_disk("size=3m"); });
+    EXPECT_EQ(enough.code, 0) << enough.err;
+    EXPECT_EQ(enough.err.find("warning"), std::string::npos) << enough.err;
+  }
 }
 
 /// The estimate that refuses is an upper bound of what is written, and no wild one: the checkpoint within 30 %, as

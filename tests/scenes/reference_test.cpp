@@ -64,7 +64,7 @@ const std::pair<const char*, bool> judged[] = {
     {R"({"gravity": [0, 0]})", false},
     {R"({"gravity": [0, 0, null]})", false},
     {R"({"smoke": {}})", true},
-    {R"({"smoke": null})", true},
+    {R"({"smoke": null})", false},
     {R"({"smoke": []})", false},
     {R"({"smoke": {"resolution": [8, 8, 8]}})", true},
     {R"({"smoke": {"resolution": [0, 8, 8]}})", false},

@@ -95,13 +95,42 @@ TEST(SceneFile, ReadsEverySortOfParameter) {
   ASSERT_EQ(e.parts.size(), 2U);
   EXPECT_EQ(e.parts[0].name, "a");
   EXPECT_EQ(e.parts[1].size, 2.0);
-  EXPECT_FALSE(read(R"({"spare": null})").spare.has_value());
+  EXPECT_FALSE(read("{}").spare.has_value());
 }
 
 TEST(SceneFile, AppliesKeysInTheOrderOfTheList) {
   EXPECT_EQ(read(R"({"kind": "fancy"})").speed, 5.0);
   EXPECT_EQ(read(R"({"speed": 3, "kind": "fancy"})").speed, 3.0);
   EXPECT_EQ(read(R"({"kind": "fancy", "speed": 3})").speed, 3.0);
+}
+
+/// What a user sets without effect is named, with the reason; what an effective scene repeats is not.
+TEST(SceneFile, WarnsOfParametersWithoutEffect) {
+  const auto warnings = [](const std::string& text, const std::string& pointer, const std::string& why) {
+    const Scene scene = scene_from_json(parse_json(text), ".");
+    ASSERT_EQ(scene.warnings.size(), 1U) << text;
+    EXPECT_EQ(scene.warnings[0], pointer + ": has no effect (" + why + ")");
+    const Scene again = scene_from_json(effective_json(scene), ".");
+    EXPECT_EQ(again.warnings, scene.warnings) << text;
+  };
+  warnings(R"({"smoke": {}, "burning": {"activation_temperature": 9000}})", "/burning/activation_temperature",
+           "law is not arrhenius");
+  warnings(R"({"smoke": {}, "burning": {"law": "arrhenius", "rate": 2}})", "/burning/rate", "law is not threshold");
+  warnings(R"({"shells": [{"mesh": {"kind": "icosphere", "size": [2, 2]}}]})", "/shells/0/mesh/size",
+           "kind is not rectangle or cylinder");
+  warnings(R"({"shells": [{"pins": [{"edge": "-x", "stop_time": 2}]}]})", "/shells/0/pins/0/stop_time",
+           "velocity is 0");
+  warnings(R"({"smoke": {}, "obstacles": [{"kind": "box", "radius": 2}]})", "/obstacles/0/radius",
+           "kind is not sphere");
+  warnings(R"({"smoke": {"side_velocity": {"-x": [0, 1, 0]}}})", "/smoke/side_velocity/-x", "no_slip is false");
+  warnings(R"({"shells": [{}], "diffusion": {"porous": {"pressure": 3}}})", "/diffusion/porous/pressure",
+           "model is not porous");
+  warnings(R"({"shells": [{}], "heat": {"loss": 3}})", "/heat/loss", "there is no diffusion section");
+  warnings(R"({"shells": [{}], "heat_sources": [{"radius": 3}]})", "/heat_sources",
+           "there is neither diffusion nor smoke to heat");
+  EXPECT_TRUE(
+      scene_from_json(parse_json(R"({"smoke": {}, "heat_sources": [{"kind": "box", "radius": 0.05}]})"), ".")
+          .warnings.empty());
 }
 
 TEST(SceneFile, NamesTheNearestKey) {
@@ -113,7 +142,11 @@ TEST(SceneFile, NamesTheNearestKey) {
 TEST(SceneFile, RefusesWrongTypes) {
   const std::pair<const char*, const char*> cases[] = {
       {R"({"speed": "2"})", "f: /speed: expected a number, found a string \"2\""},
-      {R"({"speed": true})", "f: /speed: expected a number"},
+      {R"({"speed": true})", "f: /speed: expected a number, found true (wrong type)"},
+      {R"({"speed": null})", "f: /speed: expected a number, found null (wrong type)"},
+      {R"({"speed": 1e300})", "f: /speed: 1e+300 is out of range"},
+      {R"({"spare": null})", "f: /spare: null is no section"},
+      {R"({"part": null})", "f: /part: expected an object, found null"},
       {R"({"count": 2.5})", "f: /count: expected a whole number, found 2.5"},
       {R"({"on": 1})", "f: /on: expected true or false, found a number 1"},
       {R"({"label": 3})", "f: /label: expected a string"},

@@ -1,0 +1,44 @@
+#include "coupling/idle_parameters.h"
+
+namespace wick::coupling {
+
+namespace {
+
+class Finder {
+ public:
+  void note(bool idle, const std::string& pointer, const char* why) {
+    if (idle) found_.push_back(pointer + ": has no effect (" + why + ")");
+  }
+  std::vector<std::string> take() { return std::move(found_); }
+
+ private:
+  std::vector<std::string> found_;
+};
+
+void look_at_shell(Finder& finder, const ShellSection& shell, const std::string& pointer, bool delta_acts) {
+  finder.note(!shell.moves && !shell.pins.empty(), pointer + "/pins", "moves is false, which holds every vertex");
+  finder.note(!shell.moves && !shell.velocity.isZero(), pointer + "/velocity", "moves is false");
+  finder.note(shell.material.weaken_with_delta && !delta_acts, pointer + "/material/weaken_with_delta",
+              "there is no diffusion section with a delta");
+  for (std::size_t n = 0; n < shell.pins.size(); ++n)
+    finder.note(!shell.pins[n].velocity.isZero() && shell.pins[n].stop_time <= 0.0,
+                pointer + "/pins/" + std::to_string(n) + "/velocity", "stop_time is 0, so the pin never moves");
+}
+
+}  // namespace
+
+std::vector<std::string> idle_parameters(const WorldParams& p) {
+  Finder finder;
+  for (std::size_t n = 0; n < p.shells.size(); ++n)
+    look_at_shell(finder, p.shells[n], "/shells/" + std::to_string(n), p.diffusion && p.diffusion->delta > 0.0);
+  for (std::size_t n = 0; n < p.heat_sources.size(); ++n) {
+    const std::string pointer = "/heat_sources/" + std::to_string(n);
+    finder.note(!p.smoke && p.heat_sources[n].gas_power > 0.0, pointer + "/gas_power", "there is no smoke section");
+    finder.note(!p.smoke && p.heat_sources[n].gas_smoke > 0.0, pointer + "/gas_smoke", "there is no smoke section");
+  }
+  finder.note(p.smoke && p.heat.ambient_temperature != SheetHeatParams{}.ambient_temperature,
+              "/heat/ambient_temperature", "/smoke/ambient_temperature is that of the scene");
+  return finder.take();
+}
+
+}  // namespace wick::coupling
