@@ -241,13 +241,13 @@ constexpr const char* analysis =
     "C "
     "and the sums are a few passes over the mesh. Only where the solve itself is easy (20,000 vertices, soft) do "
     "these "
-    "passes come near a quarter of it. The default form pays for what makes it converge: C goes through the "
-    "same matrix once more, to two digits less than u, and the rescaling is kept near the front by averages on "
+    "passes come near a quarter of it. The default form needs no second solve: C and its payment are rates of the "
+    "one "
+    "that there is, whose matrix the payment makes easier. What it pays for is C itself and four averages on "
     "patches "
-    "half a scope radius apart, whose factor lasts as long as the topology. Together they cost about as much as "
+    "half a scope radius apart, whose factor lasts as long as the topology. In a whole frame of a burning sheet "
     "the "
-    "diffusion itself. In a whole frame of a burning sheet the diffusion is some per cent, and so is "
-    "the difference lost in the scatter of the rest.";
+    "diffusion is some per cent, and so is the difference lost in the scatter of the rest.";
 
 ExperimentReport cost(const Surroundings& s) {
   ExperimentReport report;
