@@ -68,31 +68,41 @@ DiffusionReport DiffusionSolver::step(std::vector<double>& u, const DiffusionInp
   };
   DiffusionReport report;
   for (double& value : u) value = std::max(value, 0.0);
-  report.before = amount_of(u);
   s.follow_topology(*input.mesh);
+  Values& u_star = s.spread_u;
+  double refused = 0.0;
+  const auto spread = [&] {
+    report = {};
+    report.before = amount_of(u);
+    s.book_external(u, input, dt, report);
+    refused = report.excess;
+    s.exchanging = s.exchanging && s.plan_exchange(input, u);
+    u_star = u;
+    s.spread(u, input, dt, u_star, report);
+  };
 
   // (8a) supply and diffusion, with C and what pays for it where they are rates.
   const auto start = Clock::now();
-  s.exchanging = s.plan_exchange(input, dt, u);
-  const auto planned = Clock::now();
-  s.book_external(u, input, dt, report);
-  const double refused = report.excess;
-  Values& u_star = s.spread_u;
-  u_star = u;
-  s.spread(u, input, dt, u_star, report);
-  const auto spread = Clock::now();
+  s.strained = s.find_strain(input, dt);
+  s.exchanging = s.strained && s.params.order == Order::inside;
+  const auto strained = Clock::now();
+  spread();
+  const auto diffused = Clock::now();
 
-  // (8b)-(8g) strain on the front, rescaled to the total.
-  if (s.exchanging) {
-    s.settle_exchange(input, dt, u_star, u, report);
-  } else {
+  // (8b)-(8g) strain on the front, rescaled to the total. A step so long that the exchange is out of all proportion
+  // to what is left is taken as printed.
+  if (!s.exchanging || !s.settle_exchange(input, dt, u_star, u, report)) {
+    if (s.exchanging) {
+      s.exchanging = false;
+      spread();
+    }
     if (!moves_along_edges(s.params.model) && s.params.discretisation != Operator::cotan)
       report.drift = amount_of(u_star) - (report.before + report.supplied - refused - report.lost);
     report.sigma_source = report.drift;
     s.redistribute(input, dt, u_star, u, report);
   }
-  report.seconds_solve = seconds_between(planned, spread);
-  report.seconds_strain = seconds_between(start, planned) + seconds_between(spread, Clock::now());
+  report.seconds_solve = seconds_between(strained, diffused);
+  report.seconds_strain = seconds_between(start, strained) + seconds_between(diffused, Clock::now());
   report.front_vertices = s.count_front(input);
 
   // Cut what no projection has seen: Eq (7), and vertices of no triangle.

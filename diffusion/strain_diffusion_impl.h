@@ -57,8 +57,9 @@ struct DiffusionSolver::Impl {
   void mask_strain(const DiffusionInput& in, const Values& u);
   Kernel make_kernel(const DiffusionInput& in);
   Values toll_for(const DiffusionInput& in, const Values& u, const Kernel& kernel) const;
-  bool plan_exchange(const DiffusionInput& in, double dt, const Values& u);
-  void settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u, DiffusionReport& report);
+  bool plan_exchange(const DiffusionInput& in, const Values& u);
+  bool in_proportion(const Values& mass, const Values& budget, const Values& u) const;
+  bool settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u, DiffusionReport& report);
   void redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
   void settle_total(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
   std::size_t count_front(const DiffusionInput& in) const;

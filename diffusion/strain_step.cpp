@@ -25,6 +25,12 @@ double largest(const Values& values) {
   });
 }
 
+/// 1 - x for what is still open, and always positive: where nearly all has gone in one step, something stays that
+/// the total can be made of.
+double share_kept(double open) {
+  return open < 0.5 ? 1.0 - open : 0.25 / open;
+}
+
 /// Whether a model adds C; the others only report it.
 bool adds_strain(Model model) {
   return model == Model::strain_constrained || model == Model::strain_unconstrained || model == Model::noise ||
@@ -78,10 +84,8 @@ Values DiffusionSolver::Impl::toll_for(const DiffusionInput& in, const Values& u
   return result;
 }
 
-/// C and its toll as rates of the step that begins with u: both go through the solve of Eq (8a). False without any.
-bool DiffusionSolver::Impl::plan_exchange(const DiffusionInput& in, double dt, const Values& u) {
-  strained = find_strain(in, dt);
-  if (!strained || params.order != Order::inside) return false;
+/// C and its toll as rates of the step that begins with u. False where there is nothing on the front.
+bool DiffusionSolver::Impl::plan_exchange(const DiffusionInput& in, const Values& u) {
   mask_strain(in, u);
   if (params.model == Model::strain_unconstrained) return true;
   const double top = largest(u);
@@ -91,23 +95,36 @@ bool DiffusionSolver::Impl::plan_exchange(const DiffusionInput& in, double dt, c
   return true;
 }
 
+/// Whether what the exchange leaves of each component is within a factor of two of its budget.
+bool DiffusionSolver::Impl::in_proportion(const Values& mass, const Values& budget, const Values& u) const {
+  for (std::size_t g = 0; g < graph.components.count(); ++g) {
+    const double wanted = sum_over(graph.components[g], [&](std::size_t i) { return mass[i] * budget[i]; });
+    const double held = sum_over(graph.components[g], [&](std::size_t i) { return mass[i] * u[i]; });
+    if (!(wanted >= 0.5 * held && wanted <= 2.0 * held)) return false;
+  }
+  return true;
+}
+
 /// Ends a step whose exchange went through the solve: v is its result. The toll was taken with the holdings of the
-/// beginning; what this leaves open is made good where it arose, then the totals are made exact.
-void DiffusionSolver::Impl::settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u,
+/// beginning; what this leaves open is made good where it arose, then the totals are made exact. False, with u as
+/// it was, where these are too far away.
+bool DiffusionSolver::Impl::settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u,
                                             DiffusionReport& report) {
   const Values& mass = *in.mass;
   report.strain_added = sum_of(v.size(), [&](std::size_t i) { return mass[i] * c_front[i]; });
   if (toll.empty()) {
     report.sigma_source += report.strain_added;
     u = v;
-    return;
+    return true;
   }
   const Values due = toll_for(in, v, make_kernel(in));
   Values& budget = rhs;  // u without the exchange, as Eq (8d) counts it
+  Values& settled = extra;
   parallel_for(v.size(), chunk, [&](std::size_t i) {
     budget[i] = mass[i] > 0.0 ? u[i] + (given[i] - loss[i] * v[i]) / mass[i] : u[i];
-    u[i] = v[i] * std::max(0.0, 1.0 + (toll[i] - due[i]));
+    settled[i] = v[i] * share_kept(due[i] - toll[i]);
   });
+  if (!in_proportion(mass, budget, settled)) return false;
   c_front.assign(v.size(), 0.0);
   const bool plain = params.total == Total::plain;
   if (plain) {
@@ -115,8 +132,10 @@ void DiffusionSolver::Impl::settle_exchange(const DiffusionInput& in, double dt,
     report.drift += created;
     report.sigma_source += created;
   }
+  u = settled;
   settle_total(in, dt, plain ? v : budget, u, report);
   report.rescale = std::min(report.rescale, 1.0 / (1.0 + largest(due)));
+  return true;
 }
 
 /// K of the scope: the mean over each vertex's surroundings, or the sum over its component or the whole sheet.

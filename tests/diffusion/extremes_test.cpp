@@ -71,6 +71,28 @@ TEST(Extremes, SigmaGainAndBandOverManyDecades) {
           }
 }
 
+TEST(Extremes, StepsThatLoseAlmostAllOfWhatTheExchangeCountsOn) {
+  // The toll is reckoned with what the vertices hold at the beginning; loss and supply may leave next to nothing.
+  Sheet s(testing::sheet(21, 24));
+  s.x = testing::crumple(s.mesh);
+  const Values cold(s.mass.size(), 0.0);
+  for (const double dt : {0.1, 1.0, 40.0, 1e3})
+    for (const double loss : {0.1, 10.0, 1e3})
+      for (const Scope scope : {Scope::global, Scope::front, Scope::local_front}) {
+        Values rate = s.field([&](const Vec3& x) { return x.x() < 0.5 ? loss : 0.0; });
+        for (std::size_t i = 0; i < rate.size(); ++i) rate[i] *= s.mass[i];
+        DiffusionParams p;
+        p.scope = scope;
+        DiffusionInput in = s.input();
+        in.loss = &rate;
+        check(p, in, blob(s), dt);
+        in.loss = nullptr;
+        in.supply_rate = &rate;
+        in.supply_value = &cold;
+        check(p, in, blob(s), dt);
+      }
+}
+
 TEST(Extremes, DrySheetOfOneTriangleOrphansAndPieces) {
   for (const Scope scope : {Scope::global, Scope::component, Scope::front, Scope::local, Scope::local_front}) {
     DiffusionParams p;
