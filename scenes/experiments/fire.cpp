@@ -8,7 +8,7 @@ namespace wick::scenes {
 
 namespace {
 
-const FrontQuestion burnt_band = {FrontOf::char_, 0.4, true};
+const FrontQuestion burnt_band = {FrontOf::charred, 0.4, true};
 
 ExperimentReport burning_methods(const Surroundings& s) {
   const Comparison all = compare(s, "crumple_burning",

@@ -43,7 +43,7 @@ std::shared_ptr<const coupling::MotionTrack> record_track(Scene scene);
 
 /// Number of the first frame in which the front of u (or of the char, 1 - left) at 0.5 has passed the given
 /// fraction of the sheet; the last frame where none has.
-enum class FrontOf { u, char_ };
+enum class FrontOf { u, charred };
 std::size_t frame_at_coverage(const SheetHistory& history, FrontOf of, double coverage);
 
 /// The field that the front is found in.

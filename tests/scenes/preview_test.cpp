@@ -55,6 +55,42 @@ SampledShape sampled_ball(double radius) {
   return shape;
 }
 
+/// The byte of a linear shade below 0.8: the sRGB curve.
+int byte_of(double v) {
+  return static_cast<int>(
+      std::lround(255.0 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055)));
+}
+
+TEST(Preview, EvenSmokeDimsByTheLawOfBeerAndLambert) {
+  // A box of 1 m, 64 cells deep, in the middle of the picture; one optical depth along the way through it, and half
+  // of one upwards from its middle.
+  fluid::SmokeParams params;
+  params.resolution = {64, 64, 64};
+  params.width = 1.0;
+  params.lower = Vec3::Constant(-0.5);
+  fluid::SmokeState gas = fluid::make_smoke_state(params);
+  const PreviewParams p = camera();
+  const double density = 1.0 / p.smoke_extinction;
+  for (const bool block : {false, true}) {
+    // Filled all the way, or in a block of whose surroundings rays leap over.
+    std::fill(gas.density.begin(), gas.density.end(), 0.0F);
+    const fluid::Grid g = fluid::smoke_grid(params);
+    const int first = block ? 16 : 0;
+    for (int k = 0; k < 64; ++k)
+      for (int j = first; j < 64 - first; ++j)
+        for (int i = 0; i < 64; ++i) gas.density[g.cell(i, j, k)] = static_cast<float>(density);
+    const Picture seen = draw_preview(p, {}, {}, &gas, &params), empty = draw({});
+    const std::size_t middle = 3 * (std::size_t(30) * 60 + 30);
+    const double length = block ? 0.5 : 1.0, clear = std::exp(-length), light = 0.35 + 0.65 * std::exp(-0.25);
+    const Vec3 smoke(0.75, 0.73, 0.70), top(0.30, 0.34, 0.40), bottom(0.62, 0.62, 0.60);
+    for (int c = 0; c < 3; ++c) {
+      const double sky = 0.5 * (top[c] + bottom[c]);
+      EXPECT_NEAR(empty.rgb[middle + c], byte_of(sky), 1);
+      EXPECT_NEAR(seen.rgb[middle + c], byte_of(clear * sky + (1.0 - clear) * light * smoke[c]), 2) << block;
+    }
+  }
+}
+
 TEST(Preview, DrawsEveryShapeOfObstacle) {
   // A ball of 0.4 m at 2 m is seen under an angle whose tangent is 0.4 / sqrt(4 - 0.16), with 82.4 pixels a unit.
   const double radius = 82.4 * 0.4 / std::sqrt(4 - 0.16);
