@@ -227,8 +227,9 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
   sheet.params = params;
   sheet.areal_mass = params.material.density * params.material.thickness;
 
-  auto [soup, file_number] = make_mesh(params.mesh, pointer + "/mesh", world, warnings);
-  sheet.file_number = std::move(file_number);
+  auto made = make_mesh(params.mesh, pointer + "/mesh", world, warnings);
+  sheet.file_number = std::move(made.number);
+  solid::TriangleSoup& soup = made.soup;
   const Mat3 turn = rotation(params.mesh.rotation);
   for (Vec3& x : soup.positions) x = turn * (params.mesh.scale * x) + params.mesh.position;
   for (Vec2& m : soup.material) m *= params.mesh.scale;

@@ -79,6 +79,7 @@ struct Knob {
   std::function<void(WorldParams&, double)> scale;
 };
 
+// GoogleTest finds it by this name. NOLINTNEXTLINE(readability-identifier-naming)
 void PrintTo(const Knob& knob, std::ostream* out) {
   *out << knob.name;
 }
