@@ -53,23 +53,27 @@ struct Walk {
   }
 };
 
-/// The cell of each vertex in a grid of about the given spacing that divides the sheet's box evenly, so that no
-/// cell is cut short at its sides.
-std::vector<Eigen::Vector3i> cells_of(const solid::ShellMesh& mesh, const Values& area, double spacing) {
+/// The cell of each vertex in a grid of about the given spacing that divides the box of its piece evenly, so that
+/// no cell is cut short at its sides.
+std::vector<Eigen::Vector3i> cells_of(const solid::ShellMesh& mesh, const SheetGraph& graph, const Values& area,
+                                      double spacing) {
   constexpr double most = 1e6;  // cells along an axis
-  Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
-  for (std::size_t i = 0; i < area.size(); ++i)
-    if (area[i] > 0.0) low = low.cwiseMin(mesh.rest[i]), high = high.cwiseMax(mesh.rest[i]);
-  const Vec3 extent = (high - low).cwiseMax(1e-300);
-  const Vec3 count = (extent / spacing).array().round().max(1.0).min(most);
   std::vector<Eigen::Vector3i> cell(area.size(), Eigen::Vector3i::Zero());
-  for (std::size_t i = 0; i < area.size(); ++i)
-    if (area[i] > 0.0)
-      cell[i] = (mesh.rest[i] - low)
-                    .cwiseQuotient(extent)
-                    .cwiseProduct(count)
-                    .cwiseMin(count - Vec3::Constant(0.5))
-                    .cast<int>();
+  for (std::size_t g = 0; g < graph.components.count(); ++g) {
+    const auto members = graph.components[g];
+    Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
+    for (const std::int32_t i : members)
+      if (area[i] > 0.0) low = low.cwiseMin(mesh.rest[i]), high = high.cwiseMax(mesh.rest[i]);
+    const Vec3 extent = (high - low).cwiseMax(1e-300);
+    const Vec3 count = (extent / spacing).array().round().max(1.0).min(most);
+    for (const std::int32_t i : members)
+      if (area[i] > 0.0)
+        cell[i] = (mesh.rest[i] - low)
+                      .cwiseQuotient(extent)
+                      .cwiseProduct(count)
+                      .cwiseMin(count - Vec3::Constant(0.5))
+                      .cast<int>();
+  }
   return cell;
 }
 
@@ -83,7 +87,7 @@ struct Seed {
 /// refined. Slivers get none.
 std::vector<Seed> seeds_by_cell(const solid::ShellMesh& mesh, const SheetGraph& graph, const Values& area,
                                 double spacing) {
-  const std::vector<Eigen::Vector3i> cell = cells_of(mesh, area, spacing);
+  const std::vector<Eigen::Vector3i> cell = cells_of(mesh, graph, area, spacing);
   std::vector<std::uint8_t> taken(area.size(), 0);
   std::vector<Seed> seeds;
   std::vector<std::int32_t> piece;

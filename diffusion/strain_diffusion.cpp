@@ -70,12 +70,12 @@ DiffusionReport DiffusionSolver::step(std::vector<double>& u, const DiffusionInp
   for (double& value : u) value = std::max(value, 0.0);
   s.follow_topology(*input.mesh);
   Values& u_star = s.spread_u;
-  double refused = 0.0;
+  int iterations = 0;
   const auto spread = [&] {
+    iterations += report.solve.iterations;
     report = {};
     report.before = amount_of(u);
     s.book_external(u, input, dt, report);
-    refused = report.excess;
     s.exchanging = s.exchanging && s.plan_exchange(input, u);
     u_star = u;
     s.spread(u, input, dt, u_star, report);
@@ -85,22 +85,25 @@ DiffusionReport DiffusionSolver::step(std::vector<double>& u, const DiffusionInp
   const auto start = Clock::now();
   s.strained = s.find_strain(input, dt);
   s.exchanging = s.strained && s.params.order == Order::inside;
+  s.misjudged.clear();
   const auto strained = Clock::now();
   spread();
-  const auto diffused = Clock::now();
+  auto diffused = Clock::now();
 
-  // (8b)-(8g) strain on the front, rescaled to the total. A step so long that the exchange is out of all proportion
-  // to what is left is taken as printed.
-  if (!s.exchanging || !s.settle_exchange(input, dt, u_star, u, report)) {
-    if (s.exchanging) {
-      s.exchanging = false;
-      spread();
-    }
+  // (8b)-(8g) strain on the front, rescaled to the total.
+  if (s.exchanging && !s.settle_exchange(input, dt, u_star, u, report)) {
+    // A piece of which the step leaves too little for the exchange is taken as printed.
+    spread();
+    diffused = Clock::now();
+    s.settle_exchange(input, dt, u_star, u, report);
+  } else if (!s.exchanging) {
     if (!moves_along_edges(s.params.model) && s.params.discretisation != Operator::cotan)
-      report.drift = amount_of(u_star) - (report.before + report.supplied - refused - report.lost);
+      report.drift = amount_of(u_star) - (report.before + report.supplied - report.excess - report.lost);
     report.sigma_source = report.drift;
     s.redistribute(input, dt, u_star, u, report);
   }
+  report.solve.iterations += iterations;
+  report.misjudged = static_cast<std::size_t>(std::count(s.misjudged.begin(), s.misjudged.end(), 1));
   report.seconds_solve = seconds_between(strained, diffused);
   report.seconds_strain = seconds_between(start, strained) + seconds_between(diffused, Clock::now());
   report.front_vertices = s.count_front(input);

@@ -31,12 +31,13 @@ struct DiffusionSolver::Impl {
   Values spread_u, corner, extra, edge_factor, rhs, unit_weight;
   SheetOperator op;
   SheetMatrix matrix;
-  Values loss, supply, amount, given;  ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
-  Values c, c_front, strain;           ///< C, its part on the front, S per triangle
-  Values front;                        ///< how far each vertex belongs to it
-  Values toll;                         ///< share of u paid for C within the solve; empty: nothing is
-  bool strained = false;               ///< there is C to add
-  bool exchanging = false;             ///< C and toll go through the solve of this step
+  Values loss, supply, amount, given;   ///< dt K_loss, dt K_supply, f [M units], and what each vertex got
+  Values c, c_front, strain;            ///< C, its part on the front, S per triangle
+  Values front;                         ///< how far each vertex belongs to it
+  Values toll;                          ///< share of u paid for C within the solve; empty: nothing is
+  std::vector<std::uint8_t> misjudged;  ///< where this step is too long for the exchange; empty: nowhere
+  bool strained = false;                ///< there is C to add
+  bool exchanging = false;              ///< C and toll go through the solve of this step
 
   explicit Impl(const DiffusionParams& p) : params(p) {}
 
@@ -58,7 +59,9 @@ struct DiffusionSolver::Impl {
   Kernel make_kernel(const DiffusionInput& in);
   Values toll_for(const DiffusionInput& in, const Values& u, const Kernel& kernel) const;
   bool plan_exchange(const DiffusionInput& in, const Values& u);
-  bool in_proportion(const Values& mass, const Values& budget, const Values& u) const;
+  Values without_exchange(const DiffusionInput& in, const Values& u, const Values& v) const;
+  bool find_misjudged(const Values& mass, const Values& budget, const Values& u);
+  void take_as_printed(const DiffusionInput& in, const Values& v, Values& u);
   bool settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u, DiffusionReport& report);
   void redistribute(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);
   void settle_total(const DiffusionInput& in, double dt, const Values& u_star, Values& u, DiffusionReport& report);

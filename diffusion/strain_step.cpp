@@ -50,13 +50,15 @@ bool DiffusionSolver::Impl::find_strain(const DiffusionInput& in, double dt) {
   return adds_strain(params.model) && largest(c) > 0.0;
 }
 
-/// The front of the values u, and C on it. Without a front, Eq (7), C is added wherever there is sheet.
+/// The front of the values u, and C on it. Without a front, Eq (7), C is added wherever there is sheet, without
+/// limit.
 void DiffusionSolver::Impl::mask_strain(const DiffusionInput& in, const Values& u) {
   const bool everywhere = params.model == Model::strain_unconstrained;
+  const double most = everywhere ? INFINITY : most_strain * largest(u);
   if (!everywhere) front = front_band(params, u, in.fraction_left);
   parallel_for(c.size(), chunk, [&](std::size_t i) {
     const bool held = (*in.mass)[i] > 0.0 && u[i] >= 0.0;
-    c_front[i] = held ? std::max(c[i], 0.0) * (everywhere ? 1.0 : front[i]) : 0.0;
+    c_front[i] = held ? std::clamp(c[i], 0.0, most) * (everywhere ? 1.0 : front[i]) : 0.0;
   });
 }
 
@@ -88,54 +90,85 @@ Values DiffusionSolver::Impl::toll_for(const DiffusionInput& in, const Values& u
 bool DiffusionSolver::Impl::plan_exchange(const DiffusionInput& in, const Values& u) {
   mask_strain(in, u);
   if (params.model == Model::strain_unconstrained) return true;
-  const double top = largest(u);
-  if (!(largest(c_front) > least_strain * top)) return strained = false;
-  for (double& gain : c_front) gain = std::min(gain, most_strain * top);
+  if (!misjudged.empty())
+    for (std::size_t i = 0; i < u.size(); ++i)
+      if (misjudged[i] != 0) c_front[i] = 0.0;
+  if (misjudged.empty() && !(largest(c_front) > least_strain * largest(u))) return strained = false;
   toll = toll_for(in, u, make_kernel(in));
   return true;
 }
 
-/// Whether what the exchange leaves of each component is within a factor of two of its budget.
-bool DiffusionSolver::Impl::in_proportion(const Values& mass, const Values& budget, const Values& u) const {
-  for (std::size_t g = 0; g < graph.components.count(); ++g) {
-    const double wanted = sum_over(graph.components[g], [&](std::size_t i) { return mass[i] * budget[i]; });
-    const double held = sum_over(graph.components[g], [&](std::size_t i) { return mass[i] * u[i]; });
-    if (!(wanted >= 0.5 * held && wanted <= 2.0 * held)) return false;
+/// u of each vertex without the exchange, as Eq (8d) counts it: its budget. Operators that do not keep Σ M u, and
+/// sums that do not count M, need v without what the solve has added to it and taken from it.
+Values DiffusionSolver::Impl::without_exchange(const DiffusionInput& in, const Values& u, const Values& v) const {
+  const Values& mass = *in.mass;
+  const bool kept = params.discretisation == Operator::cotan && params.total != Total::plain;
+  Values result(v.size());
+  parallel_for(v.size(), chunk, [&](std::size_t i) {
+    if (kept)
+      result[i] = mass[i] > 0.0 ? u[i] + (given[i] - loss[i] * v[i]) / mass[i] : u[i];
+    else
+      result[i] = v[i] - c_front[i] + (toll.empty() ? 0.0 : toll[i] * v[i]);
+  });
+  return result;
+}
+
+/// Marks the vertices of all groups of which the exchange leaves less than half or more than twice their budget:
+/// the step is too long for it there. True where there are any.
+bool DiffusionSolver::Impl::find_misjudged(const Values& mass, const Values& budget, const Values& u) {
+  const VertexGroups& groups = params.scope == Scope::global ? graph.whole : graph.components;
+  misjudged.assign(u.size(), 0);
+  bool any = false;
+  for (std::size_t g = 0; g < groups.count(); ++g) {
+    const double wanted = sum_over(groups[g], [&](std::size_t i) { return mass[i] * budget[i]; });
+    const double held = sum_over(groups[g], [&](std::size_t i) { return mass[i] * u[i]; });
+    if (wanted >= 0.5 * held && wanted <= 2.0 * held) continue;
+    for (const std::int32_t i : groups[g]) misjudged[i] = 1;
+    any = true;
   }
-  return true;
+  return any;
 }
 
 /// Ends a step whose exchange went through the solve: v is its result. The toll was taken with the holdings of the
 /// beginning; what this leaves open is made good where it arose, then the totals are made exact. False, with u as
-/// it was, where these are too far away.
+/// it was and the places marked, where these are too far away.
 bool DiffusionSolver::Impl::settle_exchange(const DiffusionInput& in, double dt, Values& v, Values& u,
                                             DiffusionReport& report) {
   const Values& mass = *in.mass;
-  report.strain_added = sum_of(v.size(), [&](std::size_t i) { return mass[i] * c_front[i]; });
+  const auto amount_of = [&](const Values& w) {
+    return sum_of(w.size(), [&](std::size_t i) { return mass[i] * w[i]; });
+  };
+  Values budget = without_exchange(in, u, v);
+  if (params.discretisation != Operator::cotan || params.total == Total::plain)
+    report.drift = amount_of(budget) - (report.before + report.supplied - report.excess - report.lost);
+  report.strain_added = amount_of(c_front);
   if (toll.empty()) {
-    report.sigma_source += report.strain_added;
+    report.sigma_source = report.drift + report.strain_added;
     u = v;
     return true;
   }
   const Values due = toll_for(in, v, make_kernel(in));
-  Values& budget = rhs;  // u without the exchange, as Eq (8d) counts it
   Values& settled = extra;
-  parallel_for(v.size(), chunk, [&](std::size_t i) {
-    budget[i] = mass[i] > 0.0 ? u[i] + (given[i] - loss[i] * v[i]) / mass[i] : u[i];
-    settled[i] = v[i] * share_kept(due[i] - toll[i]);
-  });
-  if (!in_proportion(mass, budget, settled)) return false;
-  c_front.assign(v.size(), 0.0);
-  const bool plain = params.total == Total::plain;
-  if (plain) {
-    const double created = sum_of(v.size(), [&](std::size_t i) { return mass[i] * (v[i] - budget[i]); });
-    report.drift += created;
-    report.sigma_source += created;
-  }
+  parallel_for(v.size(), chunk, [&](std::size_t i) { settled[i] = v[i] * share_kept(due[i] - toll[i]); });
+  if (misjudged.empty() && find_misjudged(mass, budget, settled)) return false;
+  report.sigma_source = report.drift;
   u = settled;
-  settle_total(in, dt, plain ? v : budget, u, report);
+  take_as_printed(in, v, u);
+  settle_total(in, dt, budget, u, report);
   report.rescale = std::min(report.rescale, 1.0 / (1.0 + largest(due)));
   return true;
+}
+
+/// What is misjudged went through the solve without exchange; there C is added to v now, Eq (8c).
+void DiffusionSolver::Impl::take_as_printed(const DiffusionInput& in, const Values& v, Values& u) {
+  c_front.assign(v.size(), 0.0);
+  if (misjudged.empty()) return;
+  const Values before = front;
+  mask_strain(in, v);
+  parallel_for(v.size(), chunk, [&](std::size_t i) {
+    if (misjudged[i] == 0) front[i] = before[i], c_front[i] = 0.0;
+    if (misjudged[i] != 0) u[i] = v[i] + c_front[i];
+  });
 }
 
 /// K of the scope: the mean over each vertex's surroundings, or the sum over its component or the whole sheet.

@@ -192,6 +192,95 @@ TEST(Unconstrained, AddsStrainEverywhereAndBooksIt) {
   EXPECT_LT(budget_error(r), closed);
 }
 
+TEST(Unconstrained, ClosesItsBudgetWithOperatorsThatDrift) {
+  Sheet s(testing::jittered(21, 24, 0.25));
+  s.x = testing::crumple(s.mesh);
+  for (const Operator kind : {Operator::cotan, Operator::umbrella, Operator::graph}) {
+    DiffusionParams p = make_preset(Preset::wetting);
+    p.model = Model::strain_unconstrained;
+    p.discretisation = kind;
+    DiffusionSolver solver(p);
+    Values u = s.field([](const Vec3& x) { return std::exp(-20.0 * (x - Vec3(0.4, 0.5, 0)).squaredNorm()); });
+    for (int k = 0; k < 5; ++k) EXPECT_LT(budget_error(solver.step(u, s.input(), 1.0 / 60.0)), 1e-12);
+  }
+}
+
+TEST(Constrained, KeepsThePlainSumWhereThatIsTheTotal) {
+  Sheet s(testing::jittered(21, 24, 0.4));
+  s.x = testing::crumple(s.mesh);
+  for (const Order order : {Order::inside, Order::after})
+    for (const Scope scope : {Scope::global, Scope::front, Scope::local_front}) {
+      DiffusionParams p = make_preset(Preset::wetting);
+      p.total = Total::plain;
+      p.order = order;
+      p.scope = scope;
+      p.alpha = 0.0;
+      DiffusionSolver solver(p);
+      Values u = s.field([](const Vec3& x) { return std::exp(-20.0 * (x - Vec3(0.4, 0.5, 0)).squaredNorm()); });
+      const double before = std::accumulate(u.begin(), u.end(), 0.0);
+      for (int k = 0; k < 10; ++k) EXPECT_LT(budget_error(solver.step(u, s.input(), 1.0 / 60.0)), 1e-12);
+      EXPECT_NEAR(std::accumulate(u.begin(), u.end(), 0.0) / before, 1.0, 1e-12);
+    }
+}
+
+TEST(Constrained, WithNextToNoStrainIsIsotropicForEveryOperator) {
+  Sheet s(testing::jittered(21, 24, 0.25));
+  s.x = testing::crumple(s.mesh);
+  for (const Operator kind : {Operator::cotan, Operator::umbrella, Operator::graph}) {
+    const auto run = [&](double gain) {
+      DiffusionParams p = make_preset(Preset::wetting);
+      p.discretisation = kind;
+      p.gain = gain;
+      p.tolerance = 1e-12;
+      DiffusionSolver solver(p);
+      Values u = s.field([](const Vec3& x) { return std::exp(-20.0 * (x - Vec3(0.4, 0.5, 0)).squaredNorm()); });
+      for (int k = 0; k < 5; ++k) solver.step(u, s.input(), 1.0 / 60.0);
+      return u;
+    };
+    EXPECT_LT(testing::rms(run(0.0), run(1e-9)), 1e-10);
+  }
+}
+
+TEST(Constrained, APieceForWhichTheStepIsTooLongLeavesTheOthersAlone) {
+  // Two pieces with the same front; one of them loses nearly all within a step.
+  Sheet whole(testing::sheet(41, 24));
+  std::vector<std::uint8_t> keep;
+  for (const Int3& t : whole.mesh.triangles) {
+    const double x = (whole.mesh.rest[t[0]] + whole.mesh.rest[t[1]] + whole.mesh.rest[t[2]]).x() / 3.0;
+    keep.push_back(x < 0.45 || x > 0.55 ? 1 : 0);
+  }
+  Sheet s(solid::without_triangles(whole.mesh, keep));
+  s.x = testing::crumple(s.mesh);
+  for (const Scope scope : {Scope::component, Scope::front, Scope::local_front}) {
+    DiffusionParams p = make_preset(Preset::wetting);
+    p.scope = scope;
+    p.gain = 1e4;
+    std::size_t misjudged = 0;
+    const auto run = [&](double loss) {
+      Values rate = s.field([&](const Vec3& x) { return x.x() > 0.5 ? loss : 0.0; });
+      for (std::size_t i = 0; i < rate.size(); ++i) rate[i] *= s.mass[i];
+      DiffusionInput in = s.input();
+      in.loss = &rate;
+      Values u = s.field([](const Vec3& x) { return std::exp(-20.0 * (x.y() - 0.3) * (x.y() - 0.3)); });
+      DiffusionSolver solver(p);
+      for (int k = 0; k < 3; ++k) {
+        const DiffusionReport r = solver.step(u, in, 1.0 / 30.0);
+        EXPECT_LT(budget_error(r), 1e-12);
+        misjudged += r.misjudged;
+      }
+      return u;
+    };
+    const Values calm = run(0.0);
+    EXPECT_EQ(misjudged, 0U);
+    const Values losing = run(2000.0);
+    EXPECT_GT(misjudged, 0U);
+    double most = 0.0;
+    for (std::size_t i = 0; i < calm.size(); ++i)
+      if (s.mesh.rest[i].x() < 0.5) most = std::max(most, std::abs(calm[i] - losing[i]));
+    EXPECT_LT(most, 1e-5);
+  }
+}
+
 TEST(Permutation, RenumberingTheVerticesRenumbersTheResult) {
   const Sheet s = crumpled(15, 17);
   const int n = static_cast<int>(s.mass.size());

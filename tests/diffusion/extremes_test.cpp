@@ -68,6 +68,8 @@ TEST(Extremes, SigmaGainAndBandOverManyDecades) {
             DiffusionInput in = s.input();
             in.capacity = capacity;
             check(p, in, blob(s), 1.0 / 60.0);
+            p.order = Order::after;
+            check(p, in, blob(s), 1.0 / 60.0);
           }
 }
 
