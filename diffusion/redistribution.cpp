@@ -108,7 +108,7 @@ bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members
     if (front[i] > 0.0) inside.push_back(i);
   // σ U* minus everything that is not rescaled, written as a difference that does not cancel when σ = 1:
   // u = v + f (r v - v), so Σ f W r v = Σ W u* + created - Σ (1 - f) W v.
-  // u* and v differ outside the front where the budget counts and rounding has shifted it.
+  // Outside the front u* and v differ where u* is a budget: what each vertex got, not what it holds.
   const double wanted = created + sum_over(members, [&](std::size_t i) {
                           return w[i] * ((*in.u_star)[i] - (front[i] > 0.0 ? 1.0 - front[i] : 1.0) * v[i]);
                         });

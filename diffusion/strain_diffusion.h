@@ -120,8 +120,7 @@ struct DiffusionReport {
   double strain_added = 0.0;  ///< sum M C on the front before rescaling
   double rescale = 1.0;       ///< r, the smallest factor used
   std::size_t front_vertices = 0;
-  std::size_t misjudged =
-      0;  ///< vertices of pieces for which the step was too long to add C inside: added after it
+  std::size_t misjudged = 0;  ///< vertices of pieces that were taken as printed, the step being too long for them
   SolveReport solve;
   double seconds_solve = 0.0, seconds_strain = 0.0;
 };

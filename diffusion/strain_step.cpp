@@ -126,6 +126,7 @@ bool DiffusionSolver::Impl::find_misjudged(const Values& mass, const Values& bud
     for (const std::int32_t i : groups[g]) misjudged[i] = 1;
     any = true;
   }
+  if (!any) misjudged.clear();
   return any;
 }
 
@@ -166,8 +167,10 @@ void DiffusionSolver::Impl::take_as_printed(const DiffusionInput& in, const Valu
   const Values before = front;
   mask_strain(in, v);
   parallel_for(v.size(), chunk, [&](std::size_t i) {
-    if (misjudged[i] == 0) front[i] = before[i], c_front[i] = 0.0;
-    if (misjudged[i] != 0) u[i] = v[i] + c_front[i];
+    if (misjudged[i] != 0)
+      u[i] = v[i] + c_front[i];
+    else
+      front[i] = before[i], c_front[i] = 0.0;
   });
 }
 

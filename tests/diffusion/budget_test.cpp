@@ -243,13 +243,7 @@ TEST(Constrained, WithNextToNoStrainIsIsotropicForEveryOperator) {
 
 TEST(Constrained, APieceForWhichTheStepIsTooLongLeavesTheOthersAlone) {
   // Two pieces with the same front; one of them loses nearly all within a step.
-  Sheet whole(testing::sheet(41, 24));
-  std::vector<std::uint8_t> keep;
-  for (const Int3& t : whole.mesh.triangles) {
-    const double x = (whole.mesh.rest[t[0]] + whole.mesh.rest[t[1]] + whole.mesh.rest[t[2]]).x() / 3.0;
-    keep.push_back(x < 0.45 || x > 0.55 ? 1 : 0);
-  }
-  Sheet s(solid::without_triangles(whole.mesh, keep));
+  Sheet s = testing::two_pieces(testing::sheet(41, 24), 0.45, 0.55);
   s.x = testing::crumple(s.mesh);
   for (const Scope scope : {Scope::component, Scope::front, Scope::local_front}) {
     DiffusionParams p = make_preset(Preset::wetting);

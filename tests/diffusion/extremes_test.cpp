@@ -105,13 +105,8 @@ TEST(Extremes, DrySheetOfOneTriangleOrphansAndPieces) {
     check(p, one.input(), {1.0, 0.3, 0.0}, 0.1);
 
     // Cut a band out of a sheet: two pieces and orphans that still have a value.
-    Sheet whole(testing::sheet(21, 24));
-    std::vector<std::uint8_t> keep;
-    for (const Int3& t : whole.mesh.triangles) {
-      const double x = (whole.mesh.rest[t[0]] + whole.mesh.rest[t[1]] + whole.mesh.rest[t[2]]).x() / 3.0;
-      keep.push_back(x < 0.4 || x > 0.6 ? 1 : 0);
-    }
-    Sheet pieces(solid::without_triangles(whole.mesh, keep));
+    const solid::ShellMesh whole = testing::sheet(21, 24);
+    Sheet pieces = testing::two_pieces(whole, 0.4, 0.6);
     pieces.x = testing::crumple(pieces.mesh);
     Values u = blob(pieces);
     check(p, pieces.input(), u, 0.1);
@@ -130,7 +125,7 @@ TEST(Extremes, DrySheetOfOneTriangleOrphansAndPieces) {
     }
 
     // Nothing at all is left.
-    Sheet gone(solid::without_triangles(whole.mesh, std::vector<std::uint8_t>(keep.size(), 0)));
+    Sheet gone(solid::without_triangles(whole, std::vector<std::uint8_t>(whole.triangle_count(), 0)));
     check(p, gone.input(), blob(gone), 0.1);
   }
 }

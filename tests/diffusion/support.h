@@ -64,6 +64,16 @@ struct Sheet {
   }
 };
 
+/// A sheet without the triangles whose middles have low <= x <= high: two pieces, and orphans between them.
+inline Sheet two_pieces(const solid::ShellMesh& whole, double low, double high) {
+  std::vector<std::uint8_t> keep;
+  for (const Int3& t : whole.triangles) {
+    const double x = (whole.rest[t[0]] + whole.rest[t[1]] + whole.rest[t[2]]).x() / 3.0;
+    keep.push_back(x < low || x > high ? 1 : 0);
+  }
+  return Sheet(solid::without_triangles(whole, keep));
+}
+
 /// Relative error of after = before + supplied - lost + sigma_source - excess.
 inline double budget_error(const DiffusionReport& r) {
   const double expected = r.before + r.supplied - r.lost + r.sigma_source - r.excess;

@@ -161,13 +161,8 @@ TEST(Transfers, CollapsedInvertedHugeSmallAndBrokenSheets) {
     Sheet one(solid::build_mesh({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {}, {{0, 1, 2}}));
     check(p, one.input(), {1.0, 0.3, 0.0}, 0.1, tally);
     check(p, one.input(), {0.0, 0.0, 0.0}, 0.1, tally);
-    Sheet whole(testing::sheet(21, 24));
-    std::vector<std::uint8_t> keep;
-    for (const Int3& t : whole.mesh.triangles) {
-      const double x = (whole.mesh.rest[t[0]] + whole.mesh.rest[t[1]] + whole.mesh.rest[t[2]]).x() / 3.0;
-      keep.push_back(x < 0.4 || x > 0.6 ? 1 : 0);
-    }
-    Sheet pieces(solid::without_triangles(whole.mesh, keep));
+    const solid::ShellMesh whole = testing::sheet(21, 24);
+    Sheet pieces = testing::two_pieces(whole, 0.4, 0.6);
     pieces.x = testing::crumple(pieces.mesh);
     check(p, pieces.input(), blob(pieces), 0.1, tally);
     const auto left = [&](const Values& u) {
@@ -184,7 +179,7 @@ TEST(Transfers, CollapsedInvertedHugeSmallAndBrokenSheets) {
     DiffusionInput in = pieces.input();
     in.amount = &amount;
     check(p, in, blob(pieces), 0.1, tally);
-    Sheet gone(solid::without_triangles(whole.mesh, std::vector<std::uint8_t>(keep.size(), 0)));
+    Sheet gone(solid::without_triangles(whole, std::vector<std::uint8_t>(whole.triangle_count(), 0)));
     check(p, gone.input(), blob(gone), 0.1, tally);
   }
 }
