@@ -42,10 +42,15 @@ double Ledger::total_flow() const {
   return sum(flows_);
 }
 
+double Ledger::largest_amount() const {
+  double largest = std::abs(opening_);
+  for (const auto& [term, amount] : stocks_) largest = std::max(largest, std::abs(amount));
+  for (const auto& [term, amount] : flows_) largest = std::max(largest, std::abs(amount));
+  return largest;
+}
+
 double Ledger::relative_error() const {
-  double scale = std::abs(opening_);
-  for (const auto& [term, amount] : stocks_) scale = std::max(scale, std::abs(amount));
-  for (const auto& [term, amount] : flows_) scale = std::max(scale, std::abs(amount));
+  const double scale = largest_amount();
   const double gap = std::abs(total_stock() - opening_ - total_flow());
   return scale > 0.0 ? gap / scale : 0.0;
 }

@@ -21,8 +21,9 @@ class Ledger {
 
   [[nodiscard]] double total_stock() const;
   [[nodiscard]] double total_flow() const;
-  /// |stocks - opening - flows| over the largest amount the book has had to carry:
-  /// max(|opening|, largest |stock|, largest |flow|). 0 for an empty book.
+  /// The largest amount the book has had to carry: max(|opening|, largest |stock|, largest |flow|).
+  [[nodiscard]] double largest_amount() const;
+  /// |stocks - opening - flows| over that amount. 0 for an empty book.
   [[nodiscard]] double relative_error() const;
   [[nodiscard]] const std::map<std::string, double>& stocks() const { return stocks_; }
   [[nodiscard]] const std::map<std::string, double>& flows() const { return flows_; }

@@ -68,11 +68,57 @@ DistanceSample sample(const SampledShape& grid, const Vec3& x) {
   return {value, length > 0.0 ? Vec3(gradient / length) : Vec3(0, 0, 1)};
 }
 
+bool meets(const SphereShape& sphere, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double square = along.squaredNorm();
+  const double nearest = square > 0.0 ? std::clamp((sphere.center - a).dot(along) / square, 0.0, 1.0) : 0.0;
+  return (a + nearest * along - sphere.center).norm() < sphere.radius;
+}
+
+bool meets(const BoxShape& box, const Vec3& a, const Vec3& b) {
+  double enter = 0.0, leave = 1.0;  // share of the way within all slabs so far
+  for (int axis = 0; axis < 3; ++axis) {
+    const double way = b[axis] - a[axis];
+    double low = box.lower[axis] - a[axis], high = box.upper[axis] - a[axis];
+    if (way == 0.0) {
+      if (low >= 0.0 || high <= 0.0) return false;
+      continue;
+    }
+    if (way < 0.0) std::swap(low, high);
+    enter = std::max(enter, low / way);
+    leave = std::min(leave, high / way);
+  }
+  return enter < leave || (enter == leave && sample(box, a + enter * (b - a)).distance < 0.0);
+}
+
+bool meets(const PlaneShape& plane, const Vec3& a, const Vec3& b) {
+  return std::min(sample(plane, a).distance, sample(plane, b).distance) < 0.0;
+}
+
+bool meets(const SampledShape& grid, const Vec3& a, const Vec3& b) {
+  const double length = (b - a).norm(), least = 0.25 * grid.spacing;
+  const Vec3 top = grid.origin + grid.spacing * Vec3(grid.nodes[0] - 1, grid.nodes[1] - 1, grid.nodes[2] - 1);
+  for (double way = 0.0;;) {
+    const Vec3 x = length > 0.0 ? Vec3(a + way / length * (b - a)) : a;
+    const double distance = sample(grid, x).distance;
+    if (distance < 0.0) return true;
+    if (way >= length) return false;
+    // Beyond the samples the value is no lower bound; the distance to their box and what that leaves of it are.
+    const double out = (x - x.cwiseMax(grid.origin).cwiseMin(top)).norm();
+    way = std::min(length, way + std::max(least, out > 0.0 ? std::max(out, distance - 2.0 * out) : distance));
+  }
+}
+
 }  // namespace
 
 DistanceSample sample_distance(const Obstacle& obstacle, const Vec3& x) {
   const Vec3 local = x - obstacle.displacement;
   return std::visit([&](const auto& shape) { return sample(shape, local); }, obstacle.shape);
+}
+
+bool segment_meets(const Obstacle& obstacle, const Vec3& a, const Vec3& b) {
+  const Vec3 from = a - obstacle.displacement, to = b - obstacle.displacement;
+  return std::visit([&](const auto& shape) { return meets(shape, from, to); }, obstacle.shape);
 }
 
 }  // namespace wick

@@ -46,4 +46,8 @@ struct DistanceSample {
 /// Signed distance from `x` to the obstacle where it is now.
 DistanceSample sample_distance(const Obstacle& obstacle, const Vec3& x);
 
+/// Whether the segment from `a` to `b` passes through the inside of the obstacle where it is now. Exact for
+/// spheres, boxes and planes; of a sampled shape chords shorter than a quarter of its spacing may be missed.
+bool segment_meets(const Obstacle& obstacle, const Vec3& a, const Vec3& b);
+
 }  // namespace wick

@@ -33,11 +33,15 @@ std::vector<std::string> idle_parameters(const WorldParams& p) {
     look_at_shell(finder, p.shells[n], "/shells/" + std::to_string(n), p.diffusion && p.diffusion->delta > 0.0);
   for (std::size_t n = 0; n < p.heat_sources.size(); ++n) {
     const std::string pointer = "/heat_sources/" + std::to_string(n);
+    finder.note(p.heat_sources[n].stop <= p.heat_sources[n].start, pointer,
+                "it stops before it starts: stop is not above start");
     finder.note(!p.smoke && p.heat_sources[n].gas_power > 0.0, pointer + "/gas_power", "there is no smoke section");
     finder.note(!p.smoke && p.heat_sources[n].gas_smoke > 0.0, pointer + "/gas_smoke", "there is no smoke section");
   }
   finder.note(p.smoke && p.heat.ambient_temperature != SheetHeatParams{}.ambient_temperature,
               "/heat/ambient_temperature", "/smoke/ambient_temperature is that of the scene");
+  finder.note(p.burning && p.burning->removal > 0.0 && p.burning->removal <= p.burning->ash, "/burning/removal",
+              "nothing burns below /burning/ash, which is not less");
   return finder.take();
 }
 

@@ -13,6 +13,9 @@ constexpr std::size_t kTriangleGrain = 512;
 /// A crossing nearer than this to a cell centre [cells] closes the faces on both sides of it: which side the
 /// centre is on is then a matter of rounding, and the axes might disagree.
 constexpr double kCenterMargin = 1e-9;
+/// Cells within which the segment to a neighbouring centre may meet an obstacle: one, and room for the slope of
+/// sampled distances, which may exceed 1.
+constexpr double kCloseCells = 2.0;
 
 /// Twice the signed area of (a, b, p). Evaluated for a < b in a fixed order, so that the two triangles at
 /// an edge get the same bits with opposite sign.
@@ -119,6 +122,10 @@ Vec3 grid_line_offset() {
   return {3.1e-6, 5.3e-6, 7.7e-6};
 }
 
+Vec3 probe(const fluid::Grid& grid, const Int3& cell) {
+  return grid.cell_center(cell[0], cell[1], cell[2]) - grid.h * grid_line_offset();
+}
+
 Raster::Raster(const fluid::Grid& grid, const fluid::Sides& sides) : grid_(grid), sides_(sides) {
   walls_.solid.assign(grid.cells(), 0);
   walls_.near.assign(grid.cells(), 0);
@@ -126,6 +133,7 @@ Raster::Raster(const fluid::Grid& grid, const fluid::Sides& sides) : grid_(grid)
   for (int a = 0; a < 3; ++a) {
     walls_.closed[a].assign(grid.faces(a), 0);
     hit_at_[a].assign(grid.faces(a), -1);
+    obstacle_face_[a].assign(grid.faces(a), 0);
   }
   obstacle_mark_.assign(grid.cells(), 0);
 }
@@ -182,40 +190,56 @@ void Raster::close_obstacle_faces(const std::vector<Obstacle>& obstacles) {
   if (obstacles.empty()) return;
   bool same = obstacle_place_.size() == obstacles.size();
   for (std::size_t n = 0; same && n < obstacles.size(); ++n) same = obstacle_place_[n] == obstacles[n].displacement;
-  const int nx = grid_.nx, ny = grid_.ny, nz = grid_.nz;
   if (!same) {
     obstacle_place_.clear();
     for (const Obstacle& obstacle : obstacles) obstacle_place_.push_back(obstacle.displacement);
-    parallel_for(static_cast<std::size_t>(nz), 1, [&](std::size_t k) {
-      for (int j = 0; j < ny; ++j)
-        for (int i = 0; i < nx; ++i) {
-          std::uint8_t mark = 0;
-          const Vec3 center = grid_.cell_center(i, j, static_cast<int>(k));
-          for (std::size_t n = 0; n < obstacles.size() && mark == 0; ++n)
-            if (sample_distance(obstacles[n], center).distance < 0)
-              mark = static_cast<std::uint8_t>(std::min<std::size_t>(n + 1, 255));
-          obstacle_mark_[grid_.cell(i, j, static_cast<int>(k))] = mark;
-        }
-    });
+    mark_obstacles(obstacles);
   }
   parallel_for(grid_.cells(), 1 << 16, [&](std::size_t c) { walls_.solid[c] = obstacle_mark_[c] != 0 ? 1 : 0; });
+  for (int axis = 0; axis < 3; ++axis)
+    parallel_for(grid_.faces(axis), 1 << 16, [&](std::size_t face) {
+      const int mark = obstacle_face_[axis][face];
+      walls_.closed[axis][face] = mark != 0 ? 1 : 0;
+      walls_.velocity[axis][face] = mark != 0 ? static_cast<float>(obstacles[mark - 1].velocity[axis]) : 0.0F;
+    });
+}
 
+void Raster::mark_obstacles(const std::vector<Obstacle>& obstacles) {
+  const int nx = grid_.nx, ny = grid_.ny, nz = grid_.nz;
+  // Only cells within one cell of an obstacle have a face whose segment may meet it.
+  std::vector<std::uint8_t> close(grid_.cells());
+  parallel_for(static_cast<std::size_t>(nz), 1, [&](std::size_t k) {
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i) {
+        const std::size_t c = grid_.cell(i, j, static_cast<int>(k));
+        const Vec3 point = probe(grid_, {i, j, static_cast<int>(k)});
+        obstacle_mark_[c] = 0;
+        for (std::size_t n = 0; n < obstacles.size() && obstacle_mark_[c] == 0; ++n) {
+          const double distance = sample_distance(obstacles[n], point).distance;
+          if (distance < 0.0) obstacle_mark_[c] = static_cast<std::uint8_t>(n + 1);
+          if (distance < kCloseCells * grid_.h) close[c] = 1;
+        }
+      }
+  });
   for (int axis = 0; axis < 3; ++axis) {
     const int faces[3] = {nx + (axis == 0), ny + (axis == 1), nz + (axis == 2)};
     parallel_for(static_cast<std::size_t>(faces[2]), 1, [&](std::size_t k) {
       for (int j = 0; j < faces[1]; ++j)
         for (int i = 0; i < faces[0]; ++i) {
-          Int3 at = {i, j, static_cast<int>(k)};
-          const auto mark = [&](int shift) -> int {
-            Int3 cell = at;
-            cell[axis] += shift;
-            if (cell[axis] < 0 || cell[axis] >= grid_.size(axis)) return 0;
-            return obstacle_mark_[grid_.cell(cell[0], cell[1], cell[2])];
-          };
-          const int solid = std::max(mark(-1), mark(0));
-          const std::size_t face = grid_.face(axis, i, j, static_cast<int>(k));
-          walls_.closed[axis][face] = solid != 0 ? 1 : 0;
-          walls_.velocity[axis][face] = solid != 0 ? static_cast<float>(obstacles[solid - 1].velocity[axis]) : 0.0F;
+          const Int3 above = {i, j, static_cast<int>(k)};
+          Int3 below = above;
+          --below[axis];
+          int mark = 0, near = 0;
+          for (const Int3& at : {below, above}) {
+            if (at[axis] < 0 || at[axis] >= grid_.size(axis)) continue;
+            const std::size_t c = grid_.cell(at[0], at[1], at[2]);
+            mark = std::max<int>(mark, obstacle_mark_[c]);
+            near = std::max<int>(near, close[c]);
+          }
+          const Vec3 from = probe(grid_, below), to = probe(grid_, above);
+          for (std::size_t n = 0; n < obstacles.size() && near != 0 && mark == 0; ++n)
+            if (segment_meets(obstacles[n], from, to)) mark = static_cast<int>(n + 1);
+          obstacle_face_[axis][grid_.face(axis, i, j, static_cast<int>(k))] = static_cast<std::uint8_t>(mark);
         }
     });
   }

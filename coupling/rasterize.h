@@ -1,6 +1,7 @@
 #pragma once
-/// How the gas sees sheets: the segment between every two neighbouring cell centres is tested against every
-/// triangle [Guendelman 2005]. A hit closes the face between the two cells.
+/// How the gas sees sheets and obstacles: the segment between every two neighbouring cell centres is tested against
+/// every triangle [Guendelman 2005] and obstacle. A hit closes the face between the two cells. Cells whose centre
+/// lies in an obstacle are solid; one that is thinner than a cell still lets nothing through.
 ///
 /// Tests are watertight: the edge functions of a triangle side are computed from its two vertices in one
 /// fixed order, so neighbours agree bit for bit on which side of a shared edge a grid line passes, and lines
@@ -56,14 +57,16 @@ class Raster {
   void clear_sheets();
   void close_sheet_faces(const std::vector<SheetSurface>& sheets);
   void close_obstacle_faces(const std::vector<Obstacle>& obstacles);
+  void mark_obstacles(const std::vector<Obstacle>& obstacles);
 
   fluid::Grid grid_;
   fluid::Sides sides_;
   fluid::Walls walls_;
   std::vector<WallHit> hits_;
   std::array<std::vector<std::int32_t>, 3> hit_at_;
-  std::vector<std::uint8_t> obstacle_mark_;  ///< per cell: 1 + obstacle number (0: none), of the last see()
-  std::vector<Vec3> obstacle_place_;         ///< displacement for which obstacle_mark_ holds
+  std::vector<std::uint8_t> obstacle_mark_;                 ///< per cell: 1 + obstacle number (0: none)
+  std::array<std::vector<std::uint8_t>, 3> obstacle_face_;  ///< per face: the same of what closes it
+  std::vector<Vec3> obstacle_place_;                        ///< displacements for which the marks hold
 };
 
 /// Cells whose centre a sheet passed while moving linearly from `before` to `after` (V each): an odd number of
@@ -74,5 +77,8 @@ std::vector<std::int64_t> swept_cells(const fluid::Grid& grid, const solid::Shel
 /// Distance by which grid lines are moved off the places where meshes like to lie (cell centres): a mesh that is
 /// aligned with the grid is seen as if it lay this fraction of a cell beside it.
 Vec3 grid_line_offset();
+
+/// Where an obstacle is asked whether it holds a cell: the cell's centre, off by the same distance.
+Vec3 probe(const fluid::Grid& grid, const Int3& cell);
 
 }  // namespace wick::coupling

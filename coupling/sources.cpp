@@ -7,6 +7,7 @@
 
 #include "core/noise.h"
 #include "core/require.h"
+#include "coupling/rasterize.h"
 
 namespace wick::coupling {
 
@@ -186,6 +187,38 @@ fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, c
   return sources;
 }
 
+std::vector<std::string> sources_without_gas(const WorldParams& p, const std::vector<Obstacle>& obstacles,
+                                             const fluid::Grid& grid) {
+  std::vector<std::string> found;
+  const bool still =
+      std::all_of(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.velocity.isZero(); });
+  for (std::size_t n = 0; n < p.heat_sources.size(); ++n) {
+    const HeatSourceParams& source = p.heat_sources[n];
+    if (source.gas_power == 0.0 && source.gas_smoke == 0.0) continue;
+    const std::string pointer =
+        "/heat_sources/" + std::to_string(n) + (source.gas_power != 0.0 ? "/gas_power" : "/gas_smoke");
+    // The box, widened by the source's half size, meets the way of the source's centre or not.
+    const SourceRegion begin = region_at(source, source.start), end = region_at(source, source.stop);
+    const Vec3 half = 0.5 * (begin.upper - begin.lower);
+    const Vec3 top = grid.origin + grid.h * Vec3(grid.nx, grid.ny, grid.nz);
+    const Obstacle box{.name = "", .shape = BoxShape{grid.origin - half, top + half}};
+    if (!segment_meets(box, begin.center, end.center)) {
+      found.push_back(pointer + ": has no effect (the source is outside the box of the gas all the time)");
+      continue;
+    }
+    if (!still || !source.velocity.isZero()) continue;
+    bool gas = false;
+    for_cells_in(begin, grid, [&](int i, int j, int k) {
+      const Vec3 center = probe(grid, {i, j, k});
+      gas = gas || std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+              return sample_distance(obstacle, center).distance >= 0.0;
+            });
+    });
+    if (!gas) found.push_back(pointer + ": has no effect (no cell of gas lies in the source)");
+  }
+  return found;
+}
+
 SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambient, double kelvin, double time,
                          double dt) {
   SheetSupply supply;
@@ -248,6 +281,17 @@ double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid)
   return fastest;
 }
 
+double fastest_in_box(const std::vector<Obstacle>& obstacles, const fluid::Grid& grid, double dt) {
+  const Vec3 extent = grid.h * Vec3(grid.nx, grid.ny, grid.nz), center = grid.origin + 0.5 * extent;
+  double fastest = 0.0;
+  for (const Obstacle& obstacle : obstacles) {
+    const double speed = obstacle.velocity.norm();
+    if (speed > fastest && sample_distance(obstacle, center).distance < 0.5 * extent.norm() + grid.h + speed * dt)
+      fastest = speed;
+  }
+  return fastest;
+}
+
 std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t) {
   std::vector<double> inverse;
   for (const Sheet& sheet : sheets) {
@@ -305,6 +349,22 @@ void add_shown_values(ShellView& view, const Sheet& sheet, double ambient, doubl
   if (!sheet.burning.fraction_left.empty()) add("char", sheet.burning.fraction_left, -1.0, 1.0);
 }
 
+namespace {
+
+/// Largest strain of edges none of whose ends has begun to burn: ash shrinks and loses its stiffness by design.
+double largest_unburnt_stretch(const Sheet& sheet) {
+  const std::vector<double>& left = sheet.burning.fraction_left;
+  double largest = -1.0;
+  for (std::size_t e = 0; e < sheet.mesh.edges.size(); ++e) {
+    const auto& [a, b] = sheet.mesh.edges[e];
+    if (!left.empty() && std::min(left[a], left[b]) < 1.0) continue;
+    largest = std::max(largest, (sheet.state.x[a] - sheet.state.x[b]).norm() / sheet.mesh.rest_length[e] - 1.0);
+  }
+  return largest;
+}
+
+}  // namespace
+
 std::map<std::string, double> sheet_metrics(const Sheet& sheet) {
   std::map<std::string, double> m;
   double area = 0.0, mass = 0.0, hottest = 0.0, charred = 0.0;
@@ -315,6 +375,7 @@ std::map<std::string, double> sheet_metrics(const Sheet& sheet) {
   m["mass"] = mass;
   if (sheet.shell) {
     m["max_stretch"] = sheet.report.shell.max_stretch;
+    m["max_stretch_unburnt"] = largest_unburnt_stretch(sheet);
     m["max_speed"] = sheet.report.shell.max_speed;
     m["contacts"] = static_cast<double>(sheet.report.shell.contacts);
   }
@@ -324,6 +385,7 @@ std::map<std::string, double> sheet_metrics(const Sheet& sheet) {
     m["front_vertices"] = static_cast<double>(sheet.report.diffusion.front_vertices);
     m["strain_added"] = sheet.report.diffusion.strain_added;
     m["rescale"] = sheet.report.diffusion.rescale;
+    m["misjudged"] = static_cast<double>(sheet.report.diffusion.misjudged);
   }
   for (std::size_t i = 0; i < sheet.burning.fraction_left.size(); ++i)
     charred += (1.0 - sheet.burning.fraction_left[i]) * sheet.mesh.vertex_area[i];

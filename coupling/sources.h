@@ -24,6 +24,11 @@ std::vector<MemoryShare> world_memory(const WorldParams& params);
 fluid::SmokeSources gas_sources(const WorldParams& params, const fluid::Grid& grid, const fluid::Walls& walls,
                                 double time, double dt);
 
+/// One line for each source that is to give smoke or heat to the gas and cannot: outside the box as long as it is
+/// on, or all in obstacles (told where nothing moves).
+std::vector<std::string> sources_without_gas(const WorldParams& params, const std::vector<Obstacle>& obstacles,
+                                             const fluid::Grid& grid);
+
 /// Implicit supply and loss of one sheet, per vertex, in the units of DiffusionInput.
 struct SheetSupply {
   std::vector<double> rate, value, loss;
@@ -37,6 +42,9 @@ std::vector<Vec3> wind_at(const WorldParams& params, const std::vector<Vec3>& x,
 
 /// Largest speed of the vertices that are in the grid's box, or would be within a cell of it [m/s].
 double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid);
+
+/// Largest speed of the obstacles that are in the grid's box or may enter it within dt [m/s].
+double fastest_in_box(const std::vector<Obstacle>& obstacles, const fluid::Grid& grid, double dt);
 
 /// 1/m of every vertex of every sheet, 0 where a pin holds it at time t, or the sheet is held.
 std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t);

@@ -1,9 +1,10 @@
-/// What happens to the content of cells that a sheet has passed, and of those that walls squeeze.
+/// What happens to the content of cells that a sheet or an obstacle has passed, and of those that walls squeeze.
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "core/float_sum.h"
+#include "core/parallel.h"
 #include "coupling/exchange.h"
 
 namespace wick::coupling {
@@ -14,11 +15,16 @@ namespace {
 /// sweeps beyond it in one step has no taker and is booked.
 constexpr int kReach = 6;
 
-/// Unswept cells along the six grid directions: across the sheet, where the old content belongs, and on
-/// the side where the cell is now.
+/// Unswept cells along the six grid directions: across the sheet or before the obstacle, where the old content
+/// belongs, and on the side where the cell is now.
 struct Neighbours {
   std::vector<std::int64_t> across, same;
 };
+
+Int3 place_of(const fluid::Grid& grid, std::int64_t cell) {
+  const std::int64_t row = cell / grid.nx;
+  return {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny), static_cast<int>(row / grid.ny)};
+}
 
 /// Looks from cell `at` along one direction for the first cell that was not swept. An odd number of crossings on
 /// the way there means that it lies across the sheet; an even one that a fold lies between: no neighbour of either
@@ -45,14 +51,57 @@ void look_along(const Raster& raster, const std::vector<std::int64_t>& swept, In
 }
 
 Neighbours neighbours_of(const Raster& raster, const std::vector<std::int64_t>& swept, std::int64_t cell) {
-  const fluid::Grid& grid = raster.grid();
-  const std::int64_t row = cell / grid.nx;
-  const Int3 at = {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny),
-                   static_cast<int>(row / grid.ny)};
+  const Int3 at = place_of(raster.grid(), cell);
   Neighbours found;
   for (int axis = 0; axis < 3; ++axis)
     for (const int step : {-1, 1}) look_along(raster, swept, at, axis, step, found);
   return found;
+}
+
+/// Looks from cell `at`, which the obstacle has just entered, left or passed, for the first cell that it did not.
+/// What the cell held belongs there if, seen from the obstacle, nothing of it lies between the two.
+void look_beside(const Raster& raster, const Obstacle& obstacle, const Vec3& shift,
+                 const std::vector<std::int64_t>& swept, Int3 at, int axis, int step, Neighbours& found) {
+  const fluid::Grid& grid = raster.grid();
+  const Vec3 old_place = probe(grid, at) + shift;  // of the content, in the obstacle's present frame
+  bool open = !raster.walls().solid[grid.cell(at[0], at[1], at[2])];
+  for (int reach = 0; reach < kReach; ++reach) {
+    Int3 face = at;
+    if (step > 0) ++face[axis];
+    const std::size_t between = grid.face(axis, face[0], face[1], face[2]);
+    if (raster.crossings(axis, between) > 0) return;
+    open = open && raster.walls().closed[axis][between] == 0;
+    at[axis] += step;
+    if (at[axis] < 0 || at[axis] >= grid.size(axis)) return;
+    const auto cell = static_cast<std::int64_t>(grid.cell(at[0], at[1], at[2]));
+    if (std::binary_search(swept.begin(), swept.end(), cell)) continue;
+    if (raster.walls().solid[cell]) return;
+    if (!segment_meets(obstacle, old_place, probe(grid, at))) found.across.push_back(cell);
+    if (open) found.same.push_back(cell);
+    return;
+  }
+}
+
+/// Cells whose centre was in the obstacle at some time of its move by `shift` to where it is now, but not all the
+/// time.
+std::vector<std::int64_t> cells_swept_by(const fluid::Grid& grid, const Obstacle& obstacle, const Vec3& shift) {
+  const double reach = 2.0 * shift.norm();
+  std::vector<std::vector<std::int64_t>> found(static_cast<std::size_t>(grid.nz));
+  parallel_for(found.size(), 1, [&](std::size_t k) {
+    for (int j = 0; j < grid.ny; ++j)
+      for (int i = 0; i < grid.nx; ++i) {
+        const Vec3 now = probe(grid, {i, j, static_cast<int>(k)});
+        const double distance = sample_distance(obstacle, now).distance;
+        if (std::abs(distance) > reach) continue;
+        const Vec3 before = now + shift;
+        const bool stayed = distance < 0.0 && sample_distance(obstacle, before).distance < 0.0;
+        if (!stayed && segment_meets(obstacle, before, now))
+          found[k].push_back(static_cast<std::int64_t>(grid.cell(i, j, static_cast<int>(k))));
+      }
+  });
+  std::vector<std::int64_t> swept;
+  for (const auto& part : found) swept.insert(swept.end(), part.begin(), part.end());
+  return swept;
 }
 
 /// One swept cell that a giver fills, and its weight in the giver's split.
@@ -80,9 +129,7 @@ std::vector<std::int64_t> next_ring(const Raster& raster, const std::vector<std:
   const fluid::Grid& grid = raster.grid();
   std::vector<std::int64_t> next;
   for (const std::int64_t cell : ring) {
-    const std::int64_t row = cell / grid.nx;
-    const Int3 at = {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny),
-                     static_cast<int>(row / grid.ny)};
+    const Int3 at = place_of(grid, cell);
     for (int side = 0; side < 6; ++side) {
       const int axis = side / 2;
       Int3 face = at, other = at;
@@ -158,11 +205,11 @@ double spread_excess_heat(const Raster& raster, double hottest, const fluid::Smo
   return params.air_density * params.air_heat_capacity * std::pow(raster.grid().h, 3) * lost;
 }
 
-SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
-                          const fluid::SmokeParams& params, fluid::SmokeState& gas) {
-  if (swept.empty()) return {};
-  std::vector<Neighbours> neighbours;
-  for (const std::int64_t cell : swept) neighbours.push_back(neighbours_of(raster, swept, cell));
+namespace {
+
+SweptLoss hand_over_all(const Raster& raster, const std::vector<std::int64_t>& swept,
+                        const std::vector<Neighbours>& neighbours, const fluid::SmokeParams& params,
+                        fluid::SmokeState& gas) {
   const std::vector<Share> shares = plan_shares(neighbours);
   const double volume = std::pow(raster.grid().h, 3);
   const double capacity = params.air_density * params.air_heat_capacity * volume;
@@ -174,6 +221,28 @@ SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>&
     for (const std::int64_t cell : found.across) gas.flame[cell] = std::min(gas.flame[cell], 1.0F);
   return {volume * smoke.without_taker, capacity * heat.without_taker, volume * smoke.rounded,
           capacity * heat.rounded};
+}
+
+}  // namespace
+
+SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
+                          const fluid::SmokeParams& params, fluid::SmokeState& gas) {
+  if (swept.empty()) return {};
+  std::vector<Neighbours> neighbours;
+  for (const std::int64_t cell : swept) neighbours.push_back(neighbours_of(raster, swept, cell));
+  return hand_over_all(raster, swept, neighbours, params, gas);
+}
+
+SweptLoss hand_over_displaced(const Raster& raster, const Obstacle& obstacle, const Vec3& shift,
+                              const fluid::SmokeParams& params, fluid::SmokeState& gas) {
+  const std::vector<std::int64_t> swept = cells_swept_by(raster.grid(), obstacle, shift);
+  if (swept.empty()) return {};
+  std::vector<Neighbours> neighbours(swept.size());
+  for (std::size_t s = 0; s < swept.size(); ++s)
+    for (int side = 0; side < 6; ++side)
+      look_beside(raster, obstacle, shift, swept, place_of(raster.grid(), swept[s]), side / 2,
+                  side % 2 == 0 ? -1 : 1, neighbours[s]);
+  return hand_over_all(raster, swept, neighbours, params, gas);
 }
 
 }  // namespace wick::coupling

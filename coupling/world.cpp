@@ -31,6 +31,9 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
     raster = std::make_unique<Raster>(fluid::smoke_grid(*params.smoke), params.smoke->sides);
   }
   see_sheets();
+  if (params.smoke)
+    for (std::string& line : sources_without_gas(params, obstacles, raster->grid()))
+      warnings.push_back(std::move(line));
   begin_ledgers();
 }
 
@@ -53,7 +56,8 @@ double World::Impl::longest_step(double left) const {
   double dt = params.coupling.max_step;
   if (params.smoke) {
     dt = std::min(dt, fluid::stable_dt(*gas, *params.smoke, params.gravity));
-    const double speed = fastest_in_box(sheets, raster->grid());
+    const double speed = std::max(fastest_in_box(sheets, raster->grid()),
+                                  fastest_in_box(obstacles, raster->grid(), params.coupling.max_step));
     if (speed > 0.0) dt = std::min(dt, params.coupling.sheet_cells * raster->grid().h / speed);
   }
   return left / std::max(1.0, std::ceil(left / dt * (1.0 - 1e-9)));
@@ -96,16 +100,24 @@ void World::Impl::substep(double dt, FrameReport& report) {
 void World::Impl::see_sheets() {
   if (!raster || (sheets.empty() && obstacles.empty())) return;
   raster->see(surfaces(), obstacles);
+  const auto book = [&](const SweptLoss& lost) {
+    ledgers["smoke"].book_flow("walled_in", -lost.smoke);
+    ledgers["heat"].book_flow("walled_in", -lost.heat);
+    ledgers["smoke"].book_flow("rounding", -lost.rounded_smoke);
+    ledgers["heat"].book_flow("rounding", -lost.rounded_heat);
+  };
+  for (std::size_t n = 0; n < seen_obstacles.size(); ++n) {
+    const Vec3 shift = obstacles[n].displacement - seen_obstacles[n];
+    if (!shift.isZero(0.0)) book(hand_over_displaced(*raster, obstacles[n], shift, *params.smoke, *gas));
+  }
+  seen_obstacles.clear();
+  for (const Obstacle& obstacle : obstacles) seen_obstacles.push_back(obstacle.displacement);
   stencils.assign(sheets.size(), {});
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     Sheet& sheet = sheets[s];
     if (!sheet.seen_x.empty() && (sheet.free() || sheet.driven())) {
       const std::vector<std::int64_t> swept = swept_cells(raster->grid(), sheet.mesh, sheet.seen_x, sheet.state.x);
-      const SweptLoss lost = hand_over_swept(*raster, swept, *params.smoke, *gas);
-      ledgers["smoke"].book_flow("walled_in", -lost.smoke);
-      ledgers["heat"].book_flow("walled_in", -lost.heat);
-      ledgers["smoke"].book_flow("rounding", -lost.rounded_smoke);
-      ledgers["heat"].book_flow("rounding", -lost.rounded_heat);
+      book(hand_over_swept(*raster, swept, *params.smoke, *gas));
     }
     sheet.seen_x = sheet.state.x;
     if (params.diffusion) stencils[s] = vertex_stencils(*raster, static_cast<std::int32_t>(s), sheet.surface());

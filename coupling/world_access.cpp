@@ -124,6 +124,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
 }
 
 void World::restored() {
+  impl_->seen_obstacles.clear();
   for (Sheet& sheet : impl_->sheets) {
     rebuild_topology(sheet, impl_->params);
     sheet.seen_x.clear();  // the gas of the state already agrees with the sheet's place

@@ -52,6 +52,7 @@ struct World::Impl {
   std::unique_ptr<Raster> raster;
 
   // Handed from stage to stage within a substep.
+  std::vector<Vec3> seen_obstacles;  ///< displacements at which the gas last saw them; empty: not yet
   std::vector<std::vector<VertexStencil>> stencils;  ///< per sheet
   std::vector<std::vector<Vec3>> push;               ///< per sheet: force of the gas [N]
   std::vector<std::vector<double>> heat_in;          ///< per sheet: heat from the gas [J]

@@ -146,8 +146,8 @@ void describe(ParameterVisitor& v, CouplingParams& p) {
   v.number({"max_step", "s", above_up_to(0, 1e4), "longest step of the world; shorter ones follow from the flow",
             OnResume::may_change},
            p.max_step);
-  v.number({"sheet_cells", "1", between(0.01, 1e6), "cells of the gas grid that a sheet may cross in one step",
-            OnResume::may_change},
+  v.number({"sheet_cells", "1", between(0.01, 1e6),
+            "cells of the gas grid that a sheet or obstacle may cross in one step", OnResume::may_change},
            p.sheet_cells);
   v.integer(
       {"max_substeps", "1", between(1, 1000000),

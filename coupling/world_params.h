@@ -108,7 +108,7 @@ struct CouplingParams {
   double relaxation = 0.0;  ///< partitioned: share of a step's gas force in the force that a sheet gets; 0: see
                             ///< relax_push()
   double max_step = 1.0 / 30.0;  ///< longest step of the world [s]; shorter ones follow from the flow
-  double sheet_cells = 2.0;      ///< cells of the gas grid that a sheet may cross in one step
+  double sheet_cells = 2.0;      ///< cells of the gas grid that a sheet or obstacle may cross in one step
   int max_substeps = 256;        ///< a frame; beyond it steps get longer than asked and are counted
 };
 void describe(ParameterVisitor& visitor, CouplingParams& params);

@@ -133,7 +133,7 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
                       std::vector<double>& u) {
   RescaleResult result;
   std::vector<double> before;
-  const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
+  const bool local = is_local(params.scope);
   if (local && std::any_of(in.c->begin(), in.c->end(), [](double c) { return c > 0.0; })) {
     static const std::vector<double> everywhere;
     before = u;

@@ -45,6 +45,10 @@ enum class Order { inside, after };  // C and its toll through the solve (8a), o
 enum class SigmaMode { rate, per_step, influx };
 enum class Total { area, plain };
 enum class Scope { global, component, front, local, local_front };
+/// Whether the rescaling acts within scope_radius only.
+inline bool is_local(Scope scope) {
+  return scope == Scope::local || scope == Scope::local_front;
+}
 
 struct DiffusionParams {
   Preset preset = Preset::burning;

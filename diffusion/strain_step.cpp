@@ -56,9 +56,13 @@ void DiffusionSolver::Impl::mask_strain(const DiffusionInput& in, const Values& 
   const bool everywhere = params.model == Model::strain_unconstrained;
   const double most = everywhere ? INFINITY : most_strain * largest(u);
   if (!everywhere) front = front_band(params, u, in.fraction_left);
+  // In local scopes a vertex is given no more than it has room for: what it could not hold would have to go where
+  // there is room, however far away.
+  const bool limited = is_local(params.scope) && !everywhere && in.capacity > 0.0;
   parallel_for(c.size(), chunk, [&](std::size_t i) {
     const bool held = (*in.mass)[i] > 0.0 && u[i] >= 0.0;
-    c_front[i] = held ? std::clamp(c[i], 0.0, most) * (everywhere ? 1.0 : front[i]) : 0.0;
+    const double room = limited ? std::max(0.0, in.capacity - u[i]) : INFINITY;
+    c_front[i] = held ? std::min(std::clamp(c[i], 0.0, most) * (everywhere ? 1.0 : front[i]), room) : 0.0;
   });
 }
 
@@ -176,7 +180,7 @@ void DiffusionSolver::Impl::take_as_printed(const DiffusionInput& in, const Valu
 
 /// K of the scope: the mean over each vertex's surroundings, or the sum over its component or the whole sheet.
 Kernel DiffusionSolver::Impl::make_kernel(const DiffusionInput& in) {
-  if (params.scope != Scope::local && params.scope != Scope::local_front) {
+  if (!is_local(params.scope)) {
     const VertexGroups& groups = params.scope == Scope::global ? graph.whole : graph.components;
     return [&groups](const Values& right) {
       Values result(right.size(), 0.0);
@@ -236,8 +240,7 @@ void DiffusionSolver::Impl::settle_total(const DiffusionInput& in, double dt, co
                            .supply = plain ? &supplied : &given,
                            .capacity = in.capacity,
                            .dt = dt};
-  const bool local = params.scope == Scope::local || params.scope == Scope::local_front;
-  const RescaleResult result = rescale(params, input, local ? make_kernel(in) : Kernel(), u);
+  const RescaleResult result = rescale(params, input, is_local(params.scope) ? make_kernel(in) : Kernel(), u);
   report.rescale = result.rescale;
   if (!plain) {
     report.excess += result.excess;

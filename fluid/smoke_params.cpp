@@ -86,7 +86,9 @@ void describe(ParameterVisitor& v, SmokeParams& p) {
     v.group("side_velocity", "velocity of the sides that hold the air beside them",
             [&](ParameterVisitor& g) { describe_side_velocity(g, p.side_velocity); });
   });
-  v.flag({"active_window", "", any_value(), "step only the part of the box that smoke, heat and motion can reach",
+  v.flag({"active_window", "", any_value(),
+          "step only the part of the box that smoke, heat and motion can reach; changes a flow as a tenth of a "
+          "percent of lift does",
           OnResume::may_change},
          p.active_window);
   v.nested("pressure", "the pressure solve", p.pressure);

@@ -18,7 +18,7 @@ constexpr int margin = 8;
 /// Parts of the largest value below which a value does not matter: smoke and heat that nobody sees, and speeds
 /// of the far field of a vortex, which the margin then continues outward.
 constexpr float least_scalar = 1e-4F;
-constexpr float least_speed = 0.1F;
+constexpr float least_speed = 0.005F;
 /// Above this part of the box, stepping all of it costs no more.
 constexpr double most_of_box = 0.8;
 

@@ -173,7 +173,10 @@ Bytes read_file(const fs::path& path, std::uint64_t limit) {
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!error && fs::is_directory(folder, error)) return;
+  if (!error && fs::is_directory(folder, error)) {
+    if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+    error = {errno, std::generic_category()};
+  }
   throw Refusal(ExitCode::output_cannot_be_made, "",
                 fmt::format("cannot make the folder {} ({}) choose another --out", folder.string(),
                             error ? error.message() : "something else has that name"));

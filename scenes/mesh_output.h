@@ -7,8 +7,8 @@
 namespace wick::scenes {
 
 /// Vertices with x y z, nx ny nz, vx vy vz [m/s], s t (material coordinates [m], where the sheet has them),
-/// red green blue alpha (sRGB, glow included), and every named value of the view as a float; then the triangles. Vertices keep their
-/// numbers from frame to frame; those in no triangle stay with a zero normal.
+/// red green blue alpha (sRGB, glow included), and every named value of the view as a float; then the triangles.
+/// Vertices keep their numbers from frame to frame; those in no triangle stay with a zero normal.
 Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis);
 
 /// A vector of the simulation (z up) as the output's axes see it.

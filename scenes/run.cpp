@@ -276,6 +276,7 @@ class Run {
     record_.frames = frame;
     record_.state_hash = hex(hash);
     rare_.add(report);
+    rare_.look_at(frame, world_->shell_metrics(), world_->ledgers());
     record_.unconverged_solves = rare_.unconverged_solves();
   }
 

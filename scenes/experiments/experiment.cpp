@@ -87,7 +87,7 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (!all && found == known.end()) {
       const std::string near = nearest(name, known);
-      throw Refusal(ExitCode::input_missing, "",
+      throw Refusal(ExitCode::command_line, "",
                     fmt::format("no experiment \"{}\" (see `wick experiment list`){}", name,
                                 near.empty() ? "" : " did you mean " + near + "?"));
     }
@@ -142,9 +142,12 @@ void run_experiments(const ExperimentOptions& options) {
   surroundings.say = [&](const std::string& line) {
     if (!options.quiet) fmt::print(stderr, "wick: {}\n", line);
   };
+  const std::vector<const Experiment*> list = chosen(options);
+  make_folder(options.out);  // before hours of work, not after
+  if (!options.page.empty()) make_page_folder(options.page);
   std::vector<FinishedExperiment> finished;
   int passed = 0, judged = 0;
-  for (const Experiment* experiment : chosen(options)) {
+  for (const Experiment* experiment : list) {
     const auto start = std::chrono::steady_clock::now();
     ExperimentReport report = experiment->run(surroundings);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

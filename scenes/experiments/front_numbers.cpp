@@ -143,6 +143,8 @@ FrontNumbers measure_front(const SheetHistory& run, const SheetHistory& isotropi
   n.departure = front.area > 0.0 ? diffusion::departure(front, plain) / std::sqrt(front.area) : 0.0;
   n.dimension = diffusion::box_dimension(front, 2.0 * h, std::max(front.length() / 8.0, 4.0 * h)).dimension;
   n.pieces = static_cast<double>(front.count(least));
+  n.curvature_power = diffusion::fine_curvature_power(front, sheet_width(run.mesh) / 16.0, h, least);
+  n.covered_at_end = front_at(run, question.of, run.frames.size() - 1).covered();
   n.anisotropy = diffusion::radial_harmonic(front, middle_of(diffusion::front_coordinates(run.mesh)), 4);
   // Both are read at the same coverage, so that only the shape differs.
   n.displacement = diffusion::displacement_correlation(run.frames[frame].u, isotropic.frames[same].u,
@@ -179,15 +181,15 @@ std::vector<double> MethodNumbers::of(double FrontNumbers::*number) const {
 Table numbers_table(const std::string& name, const std::vector<MethodNumbers>& methods) {
   Table table{.name = name,
               .columns = {"method", "seed", "A", "P", "Rq4", "Rq", "Rd", "Df", "nc", "rG", "rG_unburnt", "rG_front",
-                          "r_s", "r_s_partial", "AI4"},
+                          "r_s", "r_s_partial", "curvature_power", "A_end", "AI4"},
               .rows = {}};
   for (const MethodNumbers& m : methods)
     for (std::size_t s = 0; s < m.seeds.size(); ++s) {
       const FrontNumbers& n = m.seeds[s];
-      table.add(
-          {m.label, std::to_string(s + 1)},
-          {n.covered, n.tortuosity, n.fine_roughness, n.relative_roughness, n.departure, n.dimension, n.pieces,
-           n.displacement, n.ahead, n.front_displacement, n.advance, n.advance_partial, n.anisotropy});
+      table.add({m.label, std::to_string(s + 1)},
+                {n.covered, n.tortuosity, n.fine_roughness, n.relative_roughness, n.departure, n.dimension,
+                 n.pieces, n.displacement, n.ahead, n.front_displacement, n.advance, n.advance_partial,
+                 n.curvature_power, n.covered_at_end, n.anisotropy});
     }
   return table;
 }

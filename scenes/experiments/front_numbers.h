@@ -21,7 +21,9 @@ struct FrontNumbers {
   double ahead = 0.0;               ///< rG over the vertices that are unburnt in both runs
   double advance = 0.0;             ///< r_s: Spearman of the front's normal advance with c, mean over frames
   double advance_partial = 0.0;     ///< r_s with distance from the source and the front's curvature partialled out
-  double anisotropy = 0.0;          ///< AI4: fourth harmonic of the front's radius about the middle of the sheet
+  double curvature_power = 0.0;  ///< of the front's curvature at wavelengths below a sixteenth of the width [1/m2]
+  double covered_at_end = 0.0;   ///< A of the last frame
+  double anisotropy = 0.0;       ///< AI4: fourth harmonic of the front's radius about the middle of the sheet
 };
 
 struct FrontQuestion {

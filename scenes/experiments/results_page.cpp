@@ -44,25 +44,35 @@ std::string format_value(const diffusion::Spread& value) {
   return fmt::format("{:.3g} ± {:.1g}", value.mean, value.deviation);
 }
 
+fs::path make_page_folder(const fs::path& page) {
+  const fs::path pictures = page.parent_path() / page.stem();
+  make_folder(pictures);
+  return pictures;
+}
+
 void write_results_page(const fs::path& page, const std::vector<FinishedExperiment>& finished, bool quick) {
   const std::string folder = page.stem().string();
   int passed = 0, failed = 0;
-  for (const FinishedExperiment& f : finished)
+  double seconds = 0.0;
+  for (const FinishedExperiment& f : finished) {
+    seconds += f.seconds;
     for (const Check& check : f.report.checks) {
       passed += check.verdict == Verdict::pass ? 1 : 0;
       failed += check.verdict == Verdict::fail ? 1 : 0;
     }
+  }
   std::string text = fmt::format(
       "# Results\n\nWritten by `wick experiment all --page docs/results.md`{}. Thresholds were set before the "
       "runs. {} "
-      "passed, {} failed; failures are kept and explained. Values are means ± standard deviations over seeds.\n\n",
-      quick ? " **in quick mode: fewer seeds, a look and not a result**" : "", passed, failed);
+      "passed, {} failed; failures are kept and explained. Values are means ± standard deviations over seeds. All "
+      "of it "
+      "took {:.0f} minutes.\n\n",
+      quick ? " **in quick mode: fewer seeds, a look and not a result**" : "", passed, failed, seconds / 60.0);
   for (const FinishedExperiment& f : finished) text += section(f, folder);
   for (const Experiment& e : experiments())
     if (*e.waits_for != '\0') text += fmt::format("- {} ({}) waits for {}.\n", e.name, e.figure, e.waits_for);
 
-  const fs::path pictures = page.parent_path() / folder;
-  make_folder(pictures);
+  const fs::path pictures = make_page_folder(page);
   for (const FinishedExperiment& f : finished)
     for (const NamedPicture& p : f.report.pictures) {
       const std::vector<char> png = encode_png(p.picture);

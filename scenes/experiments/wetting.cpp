@@ -69,7 +69,8 @@ ExperimentReport strained_middle(const Surroundings& s) {
       reported("Mout/Q of Eq 8 above isotropic, front from u = 0.2", {share[5] - share[0]}),
       reported("Mout/Q of Eq 8 above isotropic, front that sets in from 0.1 to 0.2", {share[6] - share[0]})};
   report.analysis =
-      "Linear diffusion has a long tail: at this time 1.6 % of the water is already farther than 3 √(αt) without "
+      "The dent is given and the sheet regular, so that one run is all there is. Linear diffusion has a long tail: "
+      "at this time 1.6 % of the water is already farther than 3 √(αt) without "
       "any strain. With the "
       "default front (u from 0.1) the tail has reached the dent, so Eq 8 counts part of it as front and adds to "
       "it; a front that "

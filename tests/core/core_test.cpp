@@ -85,6 +85,49 @@ TEST(Obstacle, GradientsMatchFiniteDifferencesOutsideAndInside) {
     }
 }
 
+/// Distance samples of a ball of radius 0.4 about (0.1, 0, -0.1), with two spacings to spare.
+SampledShape sampled_ball() {
+  SampledShape shape{.origin = Vec3(-0.4, -0.5, -0.6), .spacing = 0.05, .nodes = {21, 21, 21}, .distance = {}};
+  for (int k = 0; k < 21; ++k)
+    for (int j = 0; j < 21; ++j)
+      for (int i = 0; i < 21; ++i) {
+        const Vec3 node = shape.origin + shape.spacing * Vec3(i, j, k);
+        shape.distance.push_back(static_cast<float>((node - Vec3(0.1, 0, -0.1)).norm() - 0.4));
+      }
+  return shape;
+}
+
+TEST(Obstacle, SegmentsMeetWhatTheirPointsAreIn) {
+  const Vec3 shift(0.02, -0.01, 0.03);
+  const std::vector<Obstacle> obstacles = {
+      {.name = "s", .shape = SphereShape{Vec3(0.1, 0.2, 0.3), 0.5}, .displacement = shift},
+      {.name = "plate", .shape = BoxShape{Vec3(-0.6, -0.7, 0.1), Vec3(0.5, 0.4, 0.102)}, .displacement = shift},
+      {.name = "p", .shape = PlaneShape{Vec3::Zero(), Vec3(0.6, 0.0, 0.8)}, .displacement = shift},
+      {.name = "m", .shape = sampled_ball(), .displacement = shift}};
+  for (const Obstacle& obstacle : obstacles) {
+    int met = 0;
+    for (std::uint64_t n = 0; n < 400; ++n) {
+      const auto random = [n](std::uint64_t k) { return hash_signed(k, n); };
+      const Vec3 a(random(1), random(2), random(3)), b(random(4), random(5), random(6));
+      double nearest = 1.0, deepest = -1.0;  // of the points, and of their distance to the edge
+      for (int k = 0; k <= 4000; ++k) {
+        const double distance = sample_distance(obstacle, a + k / 4000.0 * (b - a)).distance;
+        nearest = std::min(nearest, distance);
+        deepest = std::max(deepest, -distance);
+      }
+      const bool meets = segment_meets(obstacle, a, b);
+      met += meets ? 1 : 0;
+      // Points 1e-3 apart do not tell where a segment only grazes; of samples a chord of a quarter may be missed.
+      const bool sampled = std::holds_alternative<SampledShape>(obstacle.shape);
+      EXPECT_TRUE(meets || deepest <= (sampled ? 2e-3 : 0.0)) << obstacle.name << n;
+      EXPECT_TRUE(!meets || nearest <= 1e-3) << obstacle.name << n;
+      EXPECT_TRUE(meets == segment_meets(obstacle, b, a) || (sampled && deepest < 2e-3)) << obstacle.name << n;
+    }
+    EXPECT_GT(met, 50) << obstacle.name;
+    EXPECT_LT(met, 350) << obstacle.name;
+  }
+}
+
 TEST(Obstacle, MovesWithItsDisplacement) {
   Obstacle plane{.name = "p", .shape = PlaneShape{}, .displacement = Vec3(0, 0, 0.25)};
   EXPECT_DOUBLE_EQ(sample_distance(plane, Vec3(3, 4, 1)).distance, 0.75);

@@ -77,7 +77,14 @@ Push push_of(const Raster& raster, const std::vector<double>& pressure) {
             return pressure[cell];
           };
           const std::optional<double> below = fluid_pressure(low), above = fluid_pressure(high);
-          if (below && above && walls.closed[a][grid.face(a, i, j, k)] != 0) push.on_sheet[a] += *below - *above;
+          // Between two cells of gas lies the sheet, or a part of the ball.
+          const std::size_t face = grid.face(a, i, j, k);
+          if (below && above && walls.closed[a][face] != 0) {
+            if (raster.hit_at(a, face) >= 0)
+              push.on_sheet[a] += *below - *above;
+            else
+              push.from_walls[a] += *above - *below;
+          }
           if (below && !above) push.from_walls[a] -= *below;
           if (above && !below) push.from_walls[a] += *above;
         }

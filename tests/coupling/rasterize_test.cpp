@@ -167,6 +167,33 @@ TEST(Rasterize, ObstaclesBecomeSolidCellsWithTheirVelocity) {
   EXPECT_EQ(raster.walls().velocity[2][g.face(2, 16, 16, 24)], 2.0F);
 }
 
+TEST(Rasterize, ObstaclesThinnerThanACellPartTheGas) {
+  // A plate of a thousandth of a cell across the box, and a box of six such plates, wherever they lie in the cells.
+  for (std::uint64_t n = 0; n < 20; ++n) {
+    const double z = 0.5 + 0.1 * hash_signed(1, n);
+    Raster raster(unit_grid(16), kClosed);
+    raster.see({}, {{.name = "plate", .shape = BoxShape{Vec3(-1, -1, z), Vec3(2, 2, z + 6e-5)}}});
+    const auto below = outside_cells(raster);
+    const auto count = std::count(below.begin(), below.end(), std::uint8_t{1});
+    EXPECT_NEAR(static_cast<double>(count) / 256.0, z * 16.0, 0.51);
+
+    std::vector<Obstacle> walls;
+    const double low = 0.25 + (n == 0 ? 0.0 : 0.03 * hash_unit(2, n)), high = low + 0.5;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double at : {low, high}) {
+        Vec3 lower = Vec3::Constant(low), upper = Vec3::Constant(high);
+        lower[axis] = at;
+        upper[axis] = at + 6e-5;
+        walls.push_back({.name = "wall", .shape = BoxShape{lower, upper}});
+      }
+    raster.see({}, walls);
+    const auto outside = outside_cells(raster);
+    EXPECT_EQ(outside[raster.grid().cell(8, 8, 8)], 0) << "walls from " << low;
+    EXPECT_NEAR(static_cast<double>(std::count(outside.begin(), outside.end(), std::uint8_t{0})), 512.0, 220.0);
+    EXPECT_EQ(outside[raster.grid().cell(15, 15, 15)], 1);
+  }
+}
+
 TEST(SweptCells, AreThoseThatChangeSides) {
   // Independent count: inside before and after by flooding, against the cells that the moving surface passes.
   for (std::uint64_t seed = 0; seed < 8; ++seed) {

@@ -53,6 +53,35 @@ TEST(HeatSource, BoxSpreadsItsPowerOverItsCells) {
   EXPECT_NEAR(smoke, 1e-4, 1e-16);
 }
 
+TEST(HeatSource, ThatReachesNoGasIsReported) {
+  WorldParams params;
+  params.smoke = test::closed_box(16);
+  params.heat_sources.push_back({.center = Vec3(0.5, 0.5, 0.5), .radius = 0.1, .gas_smoke = 1e-3, .stop = 1e30});
+  HeatSourceParams& source = params.heat_sources[0];
+  const auto warnings = [&] { return World(params).warnings(); };
+  EXPECT_TRUE(warnings().empty());
+
+  source.center.z() = 1.03;  // reaches into the box by more than half a cell
+  EXPECT_TRUE(warnings().empty());
+  source.center.z() = 3.0;
+  const std::string outside =
+      "/heat_sources/0/gas_smoke: has no effect (the source is outside the box of the gas all the time)";
+  ASSERT_EQ(warnings().size(), 1U);
+  EXPECT_EQ(warnings()[0], outside);
+  source.velocity = Vec3(0, 0, -1);  // comes in at 1.9 s
+  EXPECT_TRUE(warnings().empty());
+  source.stop = 1.5;
+  ASSERT_EQ(warnings().size(), 1U);
+  EXPECT_EQ(warnings()[0], outside);
+
+  source = {.center = Vec3(0.5, 0.5, 0.5), .radius = 0.1, .gas_power = 10.0, .stop = 2.0};
+  params.obstacles.push_back({.center = Vec3(0.5, 0.5, 0.5), .radius = 0.25});
+  ASSERT_EQ(warnings().size(), 1U);
+  EXPECT_EQ(warnings()[0], "/heat_sources/0/gas_power: has no effect (no cell of gas lies in the source)");
+  params.obstacles[0].velocity = Vec3(1, 0, 0);  // lets it free
+  EXPECT_TRUE(warnings().empty());
+}
+
 TEST(HeatSource, BoxWithoutExtentIsRefusedByName) {
   WorldParams world = world_with_box();
   world.heat_sources[0].upper = world.heat_sources[0].lower;

@@ -46,7 +46,7 @@ TEST(Experiments, RefuseAnUnknownNameWithTheNearestOne) {
     run_experiments({.names = {"fig0l"}, .quiet = true});
     FAIL() << "accepted";
   } catch (const Refusal& refusal) {
-    EXPECT_EQ(refusal.code(), ExitCode::input_missing);
+    EXPECT_EQ(refusal.code(), ExitCode::command_line);
     EXPECT_NE(std::string(refusal.what()).find("did you mean fig0"), std::string::npos);
   }
 }
