@@ -37,10 +37,11 @@ struct SweptLoss {
 SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
                           const fluid::SmokeParams& params, fluid::SmokeState& gas);
 
-/// The same of the cells that an obstacle has entered, left or passed on its way by `shift` [m] to where it is now
-/// (the raster has seen it there): what it meets goes before it, and the cells behind it are filled from beside.
-SweptLoss hand_over_displaced(const Raster& raster, const Obstacle& obstacle, const Vec3& shift,
-                              const fluid::SmokeParams& params, fluid::SmokeState& gas);
+/// The same of the cells that obstacle `number` has entered, left or passed on its way by `shift` [m] to where it
+/// is now (the raster has seen it there): what it meets goes before it, and the cells behind it are filled from
+/// beside.
+SweptLoss hand_over_displaced(const Raster& raster, const std::vector<Obstacle>& obstacles, std::size_t number,
+                              const Vec3& shift, const fluid::SmokeParams& params, fluid::SmokeState& gas);
 
 /// Walls that close in push gas out with its heat, which transport on a grid of full cells and the handing over
 /// above do not: they pile it up. Cells beside walls that are hotter than `hottest` above ambient [K] pass the

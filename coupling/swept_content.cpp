@@ -58,12 +58,28 @@ Neighbours neighbours_of(const Raster& raster, const std::vector<std::int64_t>& 
   return found;
 }
 
-/// Looks from cell `at`, which the obstacle has just entered, left or passed, for the first cell that it did not.
-/// What the cell held belongs there if, seen from the obstacle, nothing of it lies between the two.
-void look_beside(const Raster& raster, const Obstacle& obstacle, const Vec3& shift,
-                 const std::vector<std::int64_t>& swept, Int3 at, int axis, int step, Neighbours& found) {
+/// An obstacle among all that has just moved.
+struct Mover {
+  const std::vector<Obstacle>& obstacles;
+  std::size_t number;
+  Vec3 shift;
+
+  [[nodiscard]] const Obstacle& obstacle() const { return obstacles[number]; }
+  /// Whether what was at `from` before the move can be at `to` now: seen from the mover it does not lie between the
+  /// two, and no other obstacle does.
+  [[nodiscard]] bool leaves_way(const Vec3& from, const Vec3& to) const {
+    for (std::size_t n = 0; n < obstacles.size(); ++n)
+      if (segment_meets(obstacles[n], n == number ? Vec3(from + shift) : from, to)) return false;
+    return true;
+  }
+};
+
+/// Looks from cell `at`, which an obstacle has just entered, left or passed, for the first cell that it did not:
+/// where the cell's old content belongs, or what fills it now.
+void look_beside(const Raster& raster, const Mover& mover, const std::vector<std::int64_t>& swept, Int3 at,
+                 int axis, int step, Neighbours& found) {
   const fluid::Grid& grid = raster.grid();
-  const Vec3 old_place = probe(grid, at) + shift;  // of the content, in the obstacle's present frame
+  const Vec3 place = probe(grid, at);
   bool open = !raster.walls().solid[grid.cell(at[0], at[1], at[2])];
   for (int reach = 0; reach < kReach; ++reach) {
     Int3 face = at;
@@ -76,16 +92,16 @@ void look_beside(const Raster& raster, const Obstacle& obstacle, const Vec3& shi
     const auto cell = static_cast<std::int64_t>(grid.cell(at[0], at[1], at[2]));
     if (std::binary_search(swept.begin(), swept.end(), cell)) continue;
     if (raster.walls().solid[cell]) return;
-    if (!segment_meets(obstacle, old_place, probe(grid, at))) found.across.push_back(cell);
+    if (mover.leaves_way(place, probe(grid, at))) found.across.push_back(cell);
     if (open) found.same.push_back(cell);
     return;
   }
 }
 
-/// Cells whose centre was in the obstacle at some time of its move by `shift` to where it is now, but not all the
-/// time.
-std::vector<std::int64_t> cells_swept_by(const fluid::Grid& grid, const Obstacle& obstacle, const Vec3& shift) {
-  const double reach = 2.0 * shift.norm();
+/// Cells whose centre was in the obstacle at some time of its move, but not all the time.
+std::vector<std::int64_t> cells_swept_by(const Mover& mover, const fluid::Grid& grid) {
+  const Obstacle& obstacle = mover.obstacle();
+  const double reach = 2.0 * mover.shift.norm();
   std::vector<std::vector<std::int64_t>> found(static_cast<std::size_t>(grid.nz));
   parallel_for(found.size(), 1, [&](std::size_t k) {
     for (int j = 0; j < grid.ny; ++j)
@@ -93,7 +109,7 @@ std::vector<std::int64_t> cells_swept_by(const fluid::Grid& grid, const Obstacle
         const Vec3 now = probe(grid, {i, j, static_cast<int>(k)});
         const double distance = sample_distance(obstacle, now).distance;
         if (std::abs(distance) > reach) continue;
-        const Vec3 before = now + shift;
+        const Vec3 before = now + mover.shift;
         const bool stayed = distance < 0.0 && sample_distance(obstacle, before).distance < 0.0;
         if (!stayed && segment_meets(obstacle, before, now))
           found[k].push_back(static_cast<std::int64_t>(grid.cell(i, j, static_cast<int>(k))));
@@ -233,15 +249,16 @@ SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>&
   return hand_over_all(raster, swept, neighbours, params, gas);
 }
 
-SweptLoss hand_over_displaced(const Raster& raster, const Obstacle& obstacle, const Vec3& shift,
-                              const fluid::SmokeParams& params, fluid::SmokeState& gas) {
-  const std::vector<std::int64_t> swept = cells_swept_by(raster.grid(), obstacle, shift);
+SweptLoss hand_over_displaced(const Raster& raster, const std::vector<Obstacle>& obstacles, std::size_t number,
+                              const Vec3& shift, const fluid::SmokeParams& params, fluid::SmokeState& gas) {
+  const Mover mover{obstacles, number, shift};
+  const std::vector<std::int64_t> swept = cells_swept_by(mover, raster.grid());
   if (swept.empty()) return {};
   std::vector<Neighbours> neighbours(swept.size());
   for (std::size_t s = 0; s < swept.size(); ++s)
     for (int side = 0; side < 6; ++side)
-      look_beside(raster, obstacle, shift, swept, place_of(raster.grid(), swept[s]), side / 2,
-                  side % 2 == 0 ? -1 : 1, neighbours[s]);
+      look_beside(raster, mover, swept, place_of(raster.grid(), swept[s]), side / 2, side % 2 == 0 ? -1 : 1,
+                  neighbours[s]);
   return hand_over_all(raster, swept, neighbours, params, gas);
 }
 

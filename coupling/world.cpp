@@ -108,7 +108,7 @@ void World::Impl::see_sheets() {
   };
   for (std::size_t n = 0; n < seen_obstacles.size(); ++n) {
     const Vec3 shift = obstacles[n].displacement - seen_obstacles[n];
-    if (!shift.isZero(0.0)) book(hand_over_displaced(*raster, obstacles[n], shift, *params.smoke, *gas));
+    if (!shift.isZero(0.0)) book(hand_over_displaced(*raster, obstacles, n, shift, *params.smoke, *gas));
   }
   seen_obstacles.clear();
   for (const Obstacle& obstacle : obstacles) seen_obstacles.push_back(obstacle.displacement);
