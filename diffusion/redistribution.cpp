@@ -89,6 +89,34 @@ double step_sigma(const DiffusionParams& params, double dt) {
 
 namespace {
 
+/// What vertices hold above the capacity goes to the room around them, u_i += room_i K(M excess / K(M room)) with
+/// room = capacity - u: exact but for what overfills others, which goes on in the next pass, and for the clamp of
+/// K. What is left after a few passes is the projection's.
+void pass_excess_on(const std::vector<double>& mass, double capacity, const Kernel& kernel,
+                    std::vector<double>& u) {
+  constexpr int most_passes = 8;
+  const std::size_t n = u.size();
+  std::vector<double> excess(n), rhs(n);
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const double over = sum_of(n, [&](std::size_t i) { return mass[i] * std::max(0.0, u[i] - capacity); });
+    const double held = sum_of(n, [&](std::size_t i) { return mass[i] * u[i]; });
+    if (!(over > 1e-14 * held)) return;
+    parallel_for(n, chunk, [&](std::size_t i) {
+      excess[i] = std::max(0.0, u[i] - capacity);
+      rhs[i] = mass[i] * std::max(0.0, capacity - u[i]);
+    });
+    const std::vector<double> room = kernel(rhs);
+    parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = room[i] > 0.0 ? mass[i] * (excess[i] / room[i]) : 0.0; });
+    const std::vector<double> given = kernel(rhs);
+    parallel_for(n, chunk, [&](std::size_t i) {
+      if (excess[i] == 0.0)
+        u[i] += (capacity - u[i]) * given[i];
+      else if (room[i] > 0.0)
+        u[i] = capacity;
+    });
+  }
+}
+
 /// Target total of one group: σ U*, or U* + (σ - 1) times what it was given.
 double target_total(const DiffusionParams& params, const RescaleInput& in, std::span<const std::int32_t> members,
                     double star) {
@@ -140,6 +168,7 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
     result.rescale =
         redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);
   }
+  if (local && in.capacity > 0.0) pass_excess_on(*in.mass, in.capacity, kernel, u);
   const VertexGroups& groups = params.scope == Scope::global ? *in.whole : *in.components;
   for (std::size_t g = 0; g < groups.count(); ++g) {
     const auto members = groups[g];

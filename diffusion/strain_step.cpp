@@ -56,13 +56,9 @@ void DiffusionSolver::Impl::mask_strain(const DiffusionInput& in, const Values& 
   const bool everywhere = params.model == Model::strain_unconstrained;
   const double most = everywhere ? INFINITY : most_strain * largest(u);
   if (!everywhere) front = front_band(params, u, in.fraction_left);
-  // In local scopes a vertex is given no more than it has room for: what it could not hold would have to go where
-  // there is room, however far away.
-  const bool limited = is_local(params.scope) && !everywhere && in.capacity > 0.0;
   parallel_for(c.size(), chunk, [&](std::size_t i) {
     const bool held = (*in.mass)[i] > 0.0 && u[i] >= 0.0;
-    const double room = limited ? std::max(0.0, in.capacity - u[i]) : INFINITY;
-    c_front[i] = held ? std::min(std::clamp(c[i], 0.0, most) * (everywhere ? 1.0 : front[i]), room) : 0.0;
+    c_front[i] = held ? std::clamp(c[i], 0.0, most) * (everywhere ? 1.0 : front[i]) : 0.0;
   });
 }
 

@@ -51,6 +51,7 @@ std::vector<fs::path> scene_files(const fs::path& folder) {
 fs::path find_scene(const std::string& name) {
   std::error_code error;
   if (fs::is_regular_file(name, error)) return name;
+  if (fs::exists(name, error)) throw Refusal(ExitCode::input_missing, "", "not a file");
   std::vector<std::string> known;
   for (const fs::path& file : scene_files(bundled_folder())) {
     known.push_back(file.stem().string());
