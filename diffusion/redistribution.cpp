@@ -58,26 +58,38 @@ Projection project_total(std::span<const std::int32_t> members, const std::vecto
 
 double redistribute_locally(const std::vector<double>& mass, const std::vector<double>& c,
                             const std::vector<double>& taken, const Kernel& kernel, std::vector<double>& v) {
+  constexpr int most_passes = 8;
   const std::size_t n = v.size();
   const auto weight = [&](std::size_t i) { return taken.empty() ? 1.0 : taken[i]; };
-  std::vector<double> rhs(n);
-  parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = mass[i] * v[i] * weight(i); });
-  const std::vector<double> nearby = kernel(rhs);
+  std::vector<double> rhs(n), due = c;
+  double smallest = 1.0;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = mass[i] * v[i] * weight(i); });
+    const std::vector<double> nearby = kernel(rhs);
 
-  // C lies where v > 0, so D is positive there; where it is not, nothing can pay for C and it is dropped.
-  parallel_for(n, chunk, [&](std::size_t i) {
-    const bool payable = nearby[i] > 0.0 && c[i] > 0.0;
-    if (!payable) v[i] -= c[i];
-    rhs[i] = payable ? mass[i] * (c[i] / nearby[i]) : 0.0;
-  });
-  const std::vector<double> bracket = kernel(rhs);
-  const double largest = parallel_max(n, chunk, 0.0, [&](std::size_t begin, std::size_t end) {
-    double most = 0.0;
-    for (std::size_t i = begin; i < end; ++i) most = std::max(most, weight(i) * bracket[i]);
-    return most;
-  });
-  parallel_for(n, chunk, [&](std::size_t i) { v[i] *= std::max(0.0, 1.0 - weight(i) * bracket[i]); });
-  return std::max(0.0, 1.0 - largest);
+    // C lies where v > 0, so D is positive there; where it is not, nothing can pay for C and it is dropped.
+    parallel_for(n, chunk, [&](std::size_t i) {
+      const bool payable = nearby[i] > 0.0 && due[i] > 0.0;
+      if (!payable && pass == 0) v[i] -= c[i];
+      rhs[i] = payable ? mass[i] * (due[i] / nearby[i]) : 0.0;
+    });
+    const std::vector<double> bracket = kernel(rhs);
+    smallest = std::min(smallest, 1.0 - parallel_max(n, chunk, 0.0, [&](std::size_t begin, std::size_t end) {
+                                    double most = 0.0;
+                                    for (std::size_t i = begin; i < end; ++i)
+                                      most = std::max(most, weight(i) * bracket[i]);
+                                    return most;
+                                  }));
+    // What a vertex cannot pay is due in its surroundings again.
+    parallel_for(n, chunk, [&](std::size_t i) {
+      const double factor = 1.0 - weight(i) * bracket[i];
+      due[i] = v[i] * std::max(0.0, -factor);
+      v[i] *= std::max(0.0, factor);
+    });
+    const double rest = sum_of(n, [&](std::size_t i) { return mass[i] * due[i]; });
+    if (!(rest > 1e-14 * sum_of(n, [&](std::size_t i) { return mass[i] * v[i]; }))) break;
+  }
+  return std::max(0.0, smallest);
 }
 
 double step_sigma(const DiffusionParams& params, double dt) {

@@ -32,7 +32,8 @@ using Kernel = std::function<std::vector<double>(const std::vector<double>& rhs)
 /// Takes the mean of C over each vertex's neighbourhood out again, in proportion to what the vertices hold:
 ///   v = u* + C;  D = K (M v w);  u_i = v_i - v_i w_i [K (M C / D)]_i,  so Σ M u = Σ M u*.
 /// `c` is already weighted with the front; w = `taken`, the front (local_front) or 1 everywhere (local, empty).
-/// Clamps at 0; returns the smallest factor applied.
+/// Where a vertex cannot pay its share it is left with 0, and the rest is due around it in turn, for a few passes.
+/// Returns the smallest factor applied.
 double redistribute_locally(const std::vector<double>& mass, const std::vector<double>& c,
                             const std::vector<double>& taken, const Kernel& kernel, std::vector<double>& v);
 

@@ -57,7 +57,8 @@ struct DiffusionSolver::Impl {
   bool find_strain(const DiffusionInput& in, double dt);
   void mask_strain(const DiffusionInput& in, const Values& u);
   Kernel make_kernel(const DiffusionInput& in);
-  Values toll_for(const DiffusionInput& in, const Values& u, const Kernel& kernel) const;
+  Values toll_for(const DiffusionInput& in, const Values& u, const Values& added, const Kernel& kernel) const;
+  void pay(const DiffusionInput& in, Values& open, const Kernel& kernel, Values& held) const;
   bool plan_exchange(const DiffusionInput& in, const Values& u);
   Values without_exchange(const DiffusionInput& in, const Values& u, const Values& v) const;
   bool find_misjudged(const Values& mass, const Values& budget, const Values& u);

@@ -72,14 +72,15 @@ std::size_t DiffusionSolver::Impl::count_front(const DiffusionInput& in) const {
 
 /// What a vertex pays for C in its surroundings, as a share of what it holds: w K(M C / D) with D = K(M u w), so
 /// that Σ M C = Σ M toll u over every scope. w is the front, or 1 where the scope takes from all.
-Values DiffusionSolver::Impl::toll_for(const DiffusionInput& in, const Values& u, const Kernel& kernel) const {
+Values DiffusionSolver::Impl::toll_for(const DiffusionInput& in, const Values& u, const Values& added,
+                                       const Kernel& kernel) const {
   const Values& mass = *in.mass;
   const bool front_pays = params.scope == Scope::front || params.scope == Scope::local_front;
   Values right(u.size());
   parallel_for(u.size(), chunk, [&](std::size_t i) { right[i] = mass[i] * u[i] * (front_pays ? front[i] : 1.0); });
   const Values nearby = kernel(right);
   parallel_for(u.size(), chunk, [&](std::size_t i) {
-    right[i] = nearby[i] > 0.0 ? mass[i] * std::min(c_front[i] / nearby[i], highest_toll) : 0.0;
+    right[i] = nearby[i] > 0.0 ? mass[i] * std::min(added[i] / nearby[i], highest_toll) : 0.0;
   });
   Values result = kernel(right);
   parallel_for(u.size(), chunk, [&](std::size_t i) { result[i] *= front_pays ? front[i] : 1.0; });
@@ -94,7 +95,7 @@ bool DiffusionSolver::Impl::plan_exchange(const DiffusionInput& in, const Values
     for (std::size_t i = 0; i < u.size(); ++i)
       if (misjudged[i] != 0) c_front[i] = 0.0;
   if (misjudged.empty() && !(largest(c_front) > least_strain * largest(u))) return strained = false;
-  toll = toll_for(in, u, make_kernel(in));
+  toll = toll_for(in, u, c_front, make_kernel(in));
   return true;
 }
 
@@ -130,6 +131,25 @@ bool DiffusionSolver::Impl::find_misjudged(const Values& mass, const Values& bud
   return any;
 }
 
+/// Takes the share `open` of what the vertices hold from them. What one cannot pay is due in its surroundings
+/// again; after a few passes it is left to the total.
+void DiffusionSolver::Impl::pay(const DiffusionInput& in, Values& open, const Kernel& kernel, Values& held) const {
+  constexpr int most_passes = 8;
+  const Values& mass = *in.mass;
+  Values unpaid(held.size());
+  for (int pass = 0;; ++pass) {
+    parallel_for(held.size(), chunk, [&](std::size_t i) {
+      const double left = held[i] * share_kept(open[i]);
+      unpaid[i] = std::max(0.0, left - held[i] * (1.0 - open[i]));
+      held[i] = left;
+    });
+    const double due = sum_of(held.size(), [&](std::size_t i) { return mass[i] * unpaid[i]; });
+    const double all = sum_of(held.size(), [&](std::size_t i) { return mass[i] * held[i]; });
+    if (pass == most_passes || !(due > 1e-14 * all)) return;
+    open = toll_for(in, held, unpaid, kernel);
+  }
+}
+
 /// Ends a step whose exchange went through the solve: v is its result. The toll was taken with the holdings of the
 /// beginning; what this leaves open is made good where it arose, then the totals are made exact. False, with u as
 /// it was and the places marked, where these are too far away.
@@ -148,9 +168,13 @@ bool DiffusionSolver::Impl::settle_exchange(const DiffusionInput& in, double dt,
     u = v;
     return true;
   }
-  const Values due = toll_for(in, v, make_kernel(in));
+  const Kernel kernel = make_kernel(in);
+  const Values due = toll_for(in, v, c_front, kernel);
+  Values open(v.size());
+  parallel_for(v.size(), chunk, [&](std::size_t i) { open[i] = due[i] - toll[i]; });
   Values& settled = extra;
-  parallel_for(v.size(), chunk, [&](std::size_t i) { settled[i] = v[i] * share_kept(due[i] - toll[i]); });
+  settled = v;
+  pay(in, open, kernel, settled);
   if (misjudged.empty() && find_misjudged(mass, budget, settled)) return false;
   report.sigma_source = report.drift;
   u = settled;
