@@ -101,34 +101,6 @@ double step_sigma(const DiffusionParams& params, double dt) {
 
 namespace {
 
-/// What vertices hold above the capacity goes to the room around them, u_i += room_i K(M excess / K(M room)) with
-/// room = capacity - u: exact but for what overfills others, which goes on in the next pass, and for the clamp of
-/// K. What is left after a few passes is the projection's.
-void pass_excess_on(const std::vector<double>& mass, double capacity, const Kernel& kernel,
-                    std::vector<double>& u) {
-  constexpr int most_passes = 8;
-  const std::size_t n = u.size();
-  std::vector<double> excess(n), rhs(n);
-  for (int pass = 0; pass < most_passes; ++pass) {
-    const double over = sum_of(n, [&](std::size_t i) { return mass[i] * std::max(0.0, u[i] - capacity); });
-    const double held = sum_of(n, [&](std::size_t i) { return mass[i] * u[i]; });
-    if (!(over > 1e-14 * held)) return;
-    parallel_for(n, chunk, [&](std::size_t i) {
-      excess[i] = std::max(0.0, u[i] - capacity);
-      rhs[i] = mass[i] * std::max(0.0, capacity - u[i]);
-    });
-    const std::vector<double> room = kernel(rhs);
-    parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = room[i] > 0.0 ? mass[i] * (excess[i] / room[i]) : 0.0; });
-    const std::vector<double> given = kernel(rhs);
-    parallel_for(n, chunk, [&](std::size_t i) {
-      if (excess[i] == 0.0)
-        u[i] += (capacity - u[i]) * given[i];
-      else if (room[i] > 0.0)
-        u[i] = capacity;
-    });
-  }
-}
-
 /// Target total of one group: σ U*, or U* + (σ - 1) times what it was given.
 double target_total(const DiffusionParams& params, const RescaleInput& in, std::span<const std::int32_t> members,
                     double star) {
@@ -138,6 +110,16 @@ double target_total(const DiffusionParams& params, const RescaleInput& in, std::
   return std::max(0.0, star + (params.sigma - 1.0) * std::max(given, 0.0));
 }
 
+/// Influx near its source: what sigma makes of the supply appears where it was supplied.
+void scale_supply(const DiffusionParams& params, const RescaleInput& in, std::span<const std::int32_t> members,
+                  std::vector<double>& v) {
+  if (params.sigma_mode != SigmaMode::influx || params.sigma == 1.0) return;
+  if (!(sum_over(members, [&](std::size_t i) { return (*in.supply)[i]; }) > 0.0)) return;
+  for (const std::int32_t i : members)
+    if ((*in.weight)[i] > 0.0)
+      v[i] = std::max(0.0, v[i] + (params.sigma - 1.0) * (*in.supply)[i] / (*in.weight)[i]);
+}
+
 /// Rescales only the front of one component, each vertex as far as it belongs to it. Returns false, leaving v, when
 /// it cannot meet the target alone.
 bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members, double created,
@@ -145,7 +127,7 @@ bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members
   const std::vector<double>&w = *in.weight, &front = *in.front;
   std::vector<std::int32_t> inside;
   for (const std::int32_t i : members)
-    if (front[i] > 0.0) inside.push_back(i);
+    if (front[i] > 0.0 && w[i] > 0.0) inside.push_back(i);
   // σ U* minus everything that is not rescaled, written as a difference that does not cancel when σ = 1:
   // u = v + f (r v - v), so Σ f W r v = Σ W u* + created - Σ (1 - f) W v.
   // Outside the front u* and v differ where u* is a budget: what each vertex got, not what it holds.
@@ -155,14 +137,8 @@ bool rescale_front(const RescaleInput& in, std::span<const std::int32_t> members
   if (inside.empty() || wanted < 0.0) return false;
   std::vector<double> share(w.size());
   for (const std::int32_t i : inside) share[i] = front[i] * w[i];
-  if (in.capacity > 0.0) {
-    const double room = in.capacity * sum_over(inside, [&](std::size_t i) { return share[i]; });
-    if (wanted > room) return false;
-    for (const std::int32_t i : members)
-      if (front[i] < 1.0 && v[i] > in.capacity) return false;
-  }
   std::vector<double> rescaled = v;
-  done = project_total(inside, share, wanted, in.capacity, rescaled);
+  done = project_total(inside, share, wanted, 0.0, rescaled);
   for (const std::int32_t i : inside) v[i] = front[i] < 1.0 ? v[i] + front[i] * (rescaled[i] - v[i]) : rescaled[i];
   return true;
 }
@@ -173,14 +149,13 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
                       std::vector<double>& u) {
   RescaleResult result;
   std::vector<double> before;
-  const bool local = is_local(params.scope);
+  const bool local = is_local(params.scope), near = local || params.scope == Scope::front;
   if (local && std::any_of(in.c->begin(), in.c->end(), [](double c) { return c > 0.0; })) {
     static const std::vector<double> everywhere;
     before = u;
     result.rescale =
         redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);
   }
-  if (local && in.capacity > 0.0) pass_excess_on(*in.mass, in.capacity, kernel, u);
   const VertexGroups& groups = params.scope == Scope::global ? *in.whole : *in.components;
   for (std::size_t g = 0; g < groups.count(); ++g) {
     const auto members = groups[g];
@@ -194,12 +169,20 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
       if (!(kept >= 0.5 * held && kept <= 100.0 * held))
         for (const std::int32_t i : members) u[i] = before[i];
     }
+    if (near) scale_supply(params, in, members, u);
     Projection done;
     if (params.scope != Scope::front || !rescale_front(in, members, target - star, u, done))
-      done = project_total(members, *in.weight, target, in.capacity, u);
+      done = project_total(members, *in.weight, target, near ? 0.0 : in.capacity, u);
     result.rescale = std::min(result.rescale, done.factor);
     result.created += target - star;
     result.excess += done.excess;
+  }
+  if (!near || in.capacity <= 0.0) return result;
+  pour_over(in.overflow, *in.weight, in.capacity, u);
+  // What has found no room has filled its piece.
+  for (std::size_t g = 0; g < groups.count(); ++g) {
+    const double held = sum_over(groups[g], [&](std::size_t i) { return (*in.weight)[i] * u[i]; });
+    result.excess += project_total(groups[g], *in.weight, held, in.capacity, u).excess;
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "diffusion/overflow.h"
 #include "diffusion/strain_diffusion.h"
 #include "diffusion/sums.h"
 
@@ -47,6 +48,7 @@ struct RescaleInput {
   const std::vector<double>* c = nullptr;       ///< weighted with the front
   const std::vector<double>* front = nullptr;   ///< 0 to 1
   const std::vector<double>* supply = nullptr;  ///< what each vertex was given this step, in units of the weight
+  OverflowMap overflow;                         ///< asked by scopes that act near, where there is a capacity
   double capacity = 0.0;
   double dt = 0.0;
 };

@@ -258,6 +258,7 @@ void DiffusionSolver::Impl::settle_total(const DiffusionInput& in, double dt, co
                            .c = &c_front,
                            .front = &front,
                            .supply = plain ? &supplied : &given,
+                           .overflow = {&graph, &in.mesh->rest_length},
                            .capacity = in.capacity,
                            .dt = dt};
   const RescaleResult result = rescale(params, input, is_local(params.scope) ? make_kernel(in) : Kernel(), u);

@@ -44,6 +44,18 @@ TEST(Rescale, WorkedExampleOfTheArticle) {
   EXPECT_NEAR(std::accumulate(v.begin(), v.end(), 0.0), 4.3, 1e-14);
 }
 
+/// Vertices in a row.
+SheetGraph path_of(std::size_t n) {
+  SheetGraph g;
+  g.offset.push_back(0);
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(n); ++i) {
+    if (i > 0) g.column.push_back(i - 1), g.entry_edge.push_back(i - 1);
+    if (i + 1 < static_cast<std::int32_t>(n)) g.column.push_back(i + 1), g.entry_edge.push_back(i);
+    g.offset.push_back(static_cast<std::int32_t>(g.column.size()));
+  }
+  return g;
+}
+
 /// Runs Eqs (8c)-(8g) on given u* and C with weight 1.
 Values run_rescale(DiffusionParams p, const Values& star, const Values& c, double cap = 0.0,
                    RescaleResult* out = nullptr, const Kernel& kernel = {}) {
@@ -52,6 +64,8 @@ Values run_rescale(DiffusionParams p, const Values& star, const Values& c, doubl
   const auto front = front_band(p, star, nullptr);
   Values masked = c, u = star;
   for (std::size_t i = 0; i < u.size(); ++i) u[i] += masked[i] *= front[i];
+  SheetGraph edges = path_of(star.size());
+  const std::vector<double> lengths(star.size(), 1.0);
   const RescaleInput in{.components = &group,
                         .whole = &group,
                         .mass = &one,
@@ -60,6 +74,7 @@ Values run_rescale(DiffusionParams p, const Values& star, const Values& c, doubl
                         .c = &masked,
                         .front = &front,
                         .supply = &none,
+                        .overflow = {&edges, &lengths},
                         .capacity = cap,
                         .dt = 0.1};
   const RescaleResult result = rescale(p, in, kernel, u);
@@ -238,6 +253,67 @@ double change_far_away(Scope scope, Order order, double bumps, double capacity, 
   for (std::size_t i = 0; i < ours.size(); ++i)
     if (s.mesh.rest[i].x() > 3.0) far = std::max(far, std::abs(ours[i] / plain[i] - 1.0));
   return far;
+}
+
+TEST(Overflow, FillsTheNearestRoomAndNothingElse) {
+  const SheetGraph path = path_of(9);
+  const std::vector<double> lengths(9, 1.0), mass = {1, 1, 1, 1, 0.5, 0, 2, 1, 1};
+  Values u = {1.0, 3.0, 1.0, 0.9, 0.4, 7.0, 0.1, 0.2, 0.3};
+  pour_over({&path, &lengths}, mass, 1.0, u);
+  // 2 units over: 0.1 fills vertex 3, 0.3 vertex 4, the massless one is passed, the rest comes to vertex 6.
+  const Values expected = {1.0, 1.0, 1.0, 1.0, 1.0, 7.0, 0.9, 0.2, 0.3};
+  for (std::size_t i = 0; i < u.size(); ++i) EXPECT_NEAR(u[i], expected[i], 1e-14) << i;
+
+  Values full(9, 1.5);
+  pour_over({&path, &lengths}, mass, 1.0, full);
+  EXPECT_EQ(full, Values(9, 1.5)) << "what has no room stays";
+}
+
+TEST(Overflow, KeepsTheSumOnSheetsWithHoles) {
+  Sheet s = testing::two_pieces(testing::jittered(61, 40, 0.2), 0.45, 0.5);
+  Values u = s.field([](const Vec3& p) { return p.x() < 0.3 ? 1.2 : 0.1 + 0.5 * p.y(); });
+  const double before = s.total(u);
+  const Values start = u;
+  const SheetGraph graph = build_graph(s.mesh);
+  pour_over({&graph, &s.mesh.rest_length}, s.mass, 1.0, u);
+  EXPECT_NEAR(s.total(u), before, 1e-13 * before);
+  EXPECT_EQ(testing::largest(u), 1.0);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    EXPECT_TRUE(s.mesh.rest[i].x() <= 0.55 || u[i] == start[i]);
+}
+
+/// A strip that is overfull at one end, with a damp spot at the other that has nothing to do with it.
+TEST(Overflow, LeavesDistantSpotsAlone) {
+  Sheet s(testing::sheet(401, 24, Vec2(4.0, 0.2)));
+  Values rate(s.mass.size(), 0.0), value(s.mass.size(), 2.1);
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    if (s.mesh.rest[i].x() < 0.05) rate[i] = 20.0 * s.mass[i];
+  const auto spot = [](const Vec3& p) { return p.x() > 3.5 ? 0.125 : 0.0; };
+  for (const Scope scope : {Scope::front, Scope::local, Scope::local_front}) {
+    DiffusionParams p;
+    p.scope = scope;
+    p.model = Model::isotropic;
+    p.alpha = 1e-4;
+    DiffusionSolver with(p), without(p);
+    Values wet = s.field(spot), dry = wet;
+    DiffusionInput in = s.input();
+    in.capacity = 1.0;
+    for (int step = 0; step < 60; ++step) {
+      without.step(dry, in, 1.0 / 30.0);
+      DiffusionInput supplied = in;
+      supplied.supply_rate = &rate;
+      supplied.supply_value = &value;
+      ASSERT_LT(testing::budget_error(with.step(wet, supplied, 1.0 / 30.0)), 1e-12);
+      ASSERT_LE(testing::largest(wet), 1.0);
+    }
+    double reached = 0.0, change = 0.0;
+    for (std::size_t i = 0; i < wet.size(); ++i) {
+      if (s.mesh.rest[i].x() < 3.4 && wet[i] > 0.5) reached = std::max(reached, s.mesh.rest[i].x());
+      if (s.mesh.rest[i].x() > 3.7) change = std::max(change, std::abs(wet[i] / dry[i] - 1.0));
+    }
+    EXPECT_GT(reached, 1.0) << static_cast<int>(scope);
+    EXPECT_LT(change, 1e-12) << static_cast<int>(scope);
+  }
 }
 
 TEST(LocalScopes, DoNotActFarAway) {
