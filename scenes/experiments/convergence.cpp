@@ -81,6 +81,7 @@ double tortuosity(const SheetHistory& h) {
 /// What one refinement did to one form, over the seeds.
 struct Refinement {
   std::vector<double> first, second, ratio, tortuosity_change;
+  [[nodiscard]] double of_means() const { return diffusion::spread(first).mean / diffusion::spread(second).mean; }
 };
 
 Refinement refine(const Surroundings& s, const Form& form, const std::vector<Resolution>& steps, Table& table,
@@ -140,6 +141,9 @@ ExperimentReport convergence(const Surroundings& s) {
     add("change under h/2 over change under h/4", h.ratio, 2.0, true);
     add("change of P, last halving of dt", dt.tortuosity_change, 0.05, false);
     add("change of P, last halving of h", h.tortuosity_change, 0.05, false);
+    report.checks.push_back(
+        reported(fmt::format("{}: ratio of the mean changes, dt", form.label), {dt.of_means()}));
+    report.checks.push_back(reported(fmt::format("{}: ratio of the mean changes, h", form.label), {h.of_means()}));
     report.checks.push_back(
         reported(fmt::format("{}: rms change of u, last halving of dt", form.label), dt.second));
     report.checks.push_back(reported(fmt::format("{}: rms change of u, last halving of h", form.label), h.second));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 #include "core/require.h"
 #include "scenes/atomic_file.h"
@@ -38,6 +39,7 @@ void print_report(const Experiment& experiment, const ExperimentReport& report, 
     fmt::print("  {:<{}}  {:>12}  {:<22} {}\n", check.what, width, format_value(check.value), check.threshold,
                verdict_name(check.verdict));
   fmt::print("  {:.1f} s\n\n", seconds);
+  std::fflush(stdout);  // what is finished is told, whatever happens to the rest
 }
 
 std::string csv(const Table& table) {
@@ -95,7 +97,8 @@ std::vector<const Experiment*> chosen(const ExperimentOptions& options) {
       const bool runs = *e.waits_for == '\0';
       if (name == e.name && !runs)
         throw Refusal(ExitCode::input_missing, "", fmt::format("{} waits for {}", name, e.waits_for));
-      if (runs && (all || name == e.name)) list.push_back(&e);
+      const bool listed = std::find(list.begin(), list.end(), &e) != list.end();
+      if (runs && !listed && (all || name == e.name)) list.push_back(&e);
     }
   }
   return list;
@@ -159,7 +162,8 @@ void run_experiments(const ExperimentOptions& options) {
     }
     finished.push_back({experiment, std::move(report), seconds});
   }
-  fmt::print("{} of {} thresholds passed; tables and pictures are in {}\n", passed, judged, options.out);
+  fmt::print("{} of {} thresholds passed{}; tables and pictures are in {}\n", passed, judged,
+             options.quick ? " in quick mode: a look with fewer seeds, not a result" : "", options.out);
   if (!options.page.empty()) write_results_page(options.page, finished, options.quick);
 }
 

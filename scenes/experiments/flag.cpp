@@ -63,12 +63,11 @@ ExperimentReport earlier_methods_on_a_flag(const Surroundings& s) {
   report.checks.push_back(reported("r_s partial(ours)", all.of(1, &FrontNumbers::advance_partial)));
   report.checks.push_back(reported("rG(ours)", all.of(1, &FrontNumbers::displacement)));
   report.analysis =
-      "A held flag is strained most beside its pole, which is also where the water enters and every front is fast: "
-      "both earlier "
-      "methods slow down away from it, and their advance correlates with strain that they do not use. With the "
-      "distance from "
-      "the source and the front's curvature partialled out, as methods that know no strain should, nothing is "
-      "left.";
+      "A held flag is strained most beside its pole, which is also where the water enters and every front is "
+      "fast: both earlier methods slow down away from it, and their advance correlates with strain that they do "
+      "not use. It hangs on no resolution and on no Pi, as neither method has a C: with the distance from the "
+      "source and the front's curvature partialled out, as methods that know no strain should, nothing is left "
+      "of it, and a part of ours is.";
   report.tables.push_back(numbers_table("numbers", all.numbers));
   report.pictures.push_back({"methods",
                              "saturation on the flag when 0.35 of it is wet (or at the end); line: u = 0.5",

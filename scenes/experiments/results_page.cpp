@@ -61,13 +61,21 @@ void write_results_page(const fs::path& page, const std::vector<FinishedExperime
       failed += check.verdict == Verdict::fail ? 1 : 0;
     }
   }
+  std::string names;
+  for (const FinishedExperiment& f : finished)
+    names += (names.empty() ? "" : " ") + std::string(f.experiment->name);
+  const auto runs = [](const Experiment& e) { return *e.waits_for == '\0'; };
+  if (static_cast<std::ptrdiff_t>(finished.size()) ==
+      std::count_if(experiments().begin(), experiments().end(), runs))
+    names = "all";
   std::string text = fmt::format(
-      "# Results\n\nWritten by `wick experiment all --page docs/results.md`{}. Thresholds were set before the "
+      "# Results\n\nWritten by `wick experiment {} --page {}`{}. Thresholds were set before the "
       "runs. {} "
       "passed, {} failed; failures are kept and explained. Values are means ± standard deviations over seeds. All "
       "of it "
       "took {:.0f} minutes.\n\n",
-      quick ? " **in quick mode: fewer seeds, a look and not a result**" : "", passed, failed, seconds / 60.0);
+      names, page.string(), quick ? " **in quick mode: fewer seeds, a look and not a result**" : "", passed, failed,
+      seconds / 60.0);
   for (const FinishedExperiment& f : finished) text += section(f, folder);
   for (const Experiment& e : experiments())
     if (*e.waits_for != '\0') text += fmt::format("- {} ({}) waits for {}.\n", e.name, e.figure, e.waits_for);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diffusion/front.h"
 #include "scenes/experiments/catalogue.h"
 #include "scenes/experiments/replay.h"
 #include "solid/primitives.h"
@@ -69,6 +70,9 @@ ExperimentReport strain_under_load(const Surroundings& s) {
 ExperimentReport weakening(const Surroundings& s) {
   ExperimentReport report;
   std::vector<double> imposed, loaded;
+  std::vector<SheetHistory> strips;
+  strips.reserve(3);
+  std::vector<SheetPanel> panels;
   Table table{.name = "weakening", .columns = {"delta", "imposed", "loaded"}, .rows = {}};
   for (const double delta : {0.0, 1.0, 10.0}) {
     s.say(fmt::format("fig05: delta {}", delta));
@@ -79,6 +83,17 @@ ExperimentReport weakening(const Surroundings& s) {
     const Scene hung = s.scene("hanging_strip", {change});
     const SheetHistory b = replay(hung);
     loaded.push_back(total_strain(hung, b.mesh, b.frames.back().x));
+    strips.push_back(b);
+    std::vector<double> c = strain_density(hung, strips.back().mesh, strips.back().frames.back().x);
+    for (double& value : c) value = std::sqrt(value);
+    panels.push_back({fmt::format("delta {}", delta),
+                      &strips.back().mesh,
+                      diffusion::front_coordinates(strips.back().mesh),
+                      c,
+                      0.0,
+                      1.0,
+                      ColorScale::strain,
+                      {}});
     table.add({fmt::format("{}", delta)}, {imposed.back(), loaded.back()});
   }
   const double error =
@@ -88,6 +103,13 @@ ExperimentReport weakening(const Surroundings& s) {
                          loaded[0] < loaded[1] && loaded[1] < loaded[2], "strictly"),
                    reported("sum C at delta 10 over delta 0, under load", {loaded[2] / loaded[0]})};
   report.tables.push_back(table);
+  double darkest = 0.0;
+  for (const SheetPanel& p : panels)
+    darkest = std::max(darkest, *std::max_element(p.values.begin(), p.values.end()));
+  for (SheetPanel& p : panels) p.high = darkest;
+  report.pictures.push_back({"pattern",
+                             "a strip that hangs in its own weight, weakened by delta; colour: √c, the same scale",
+                             draw_sheets(panels, 3)});
   report.analysis =
       "The paper says both that a larger delta weakens the influence of stretching and that it strengthens the "
       "pattern. Both "

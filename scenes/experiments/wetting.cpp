@@ -70,12 +70,11 @@ ExperimentReport strained_middle(const Surroundings& s) {
       reported("Mout/Q of Eq 8 above isotropic, front that sets in from 0.1 to 0.2", {share[6] - share[0]})};
   report.analysis =
       "The dent is given and the sheet regular, so that one run is all there is. Linear diffusion has a long tail: "
-      "at this time 1.6 % of the water is already farther than 3 √(αt) without "
-      "any strain. With the "
-      "default front (u from 0.1) the tail has reached the dent, so Eq 8 counts part of it as front and adds to "
-      "it; a front that "
-      "begins at 0.2, or sets in gradually (front_ramp 0.1), does so less, and sharp diffusion, which has no tail, "
-      "not at all.";
+      "at this time 1.6 % of the water is already farther than 3 √(αt) without any strain. With the default front "
+      "(u from 0.1) the tail has reached the dent, so Eq 8 counts part of it as front and adds to it. It hangs on "
+      "where the band begins, and on C going through the solve (`/diffusion/order`), which spreads what is added "
+      "there; Pi is that of the preset, 10, in all runs. A front that begins at 0.2, or sets in gradually "
+      "(front_ramp 0.1), adds less, and sharp diffusion, which has no tail, nothing at all.";
   report.pictures.push_back({"middle", "wetting from the lower edge at 0.5 s over a dented sheet; line: u = 0.1",
                              draw_sheets(panels, 7, 190)});
   return report;
