@@ -1,5 +1,7 @@
 #include "coupling/idle_parameters.h"
 
+#include <algorithm>
+
 namespace wick::coupling {
 
 namespace {
@@ -40,6 +42,11 @@ std::vector<std::string> idle_parameters(const WorldParams& p) {
   }
   finder.note(p.smoke && p.heat.ambient_temperature != SheetHeatParams{}.ambient_temperature,
               "/heat/ambient_temperature", "/smoke/ambient_temperature is that of the scene");
+  const auto computed = [](const ShellSection& s) { return s.moves && s.motion.kind == MotionKind::none; };
+  finder.note(p.diffusion && p.diffusion->model == diffusion::Model::porous &&
+                  p.diffusion->porous.effective_stress > 0.0 &&
+                  std::none_of(p.shells.begin(), p.shells.end(), computed),
+              "/diffusion/porous/effective_stress", "no sheet is moved by the shell solver");
   finder.note(p.burning && p.burning->removal > 0.0 && p.burning->removal <= p.burning->ash, "/burning/removal",
               "nothing burns below /burning/ash, which is not less");
   return finder.take();

@@ -9,6 +9,7 @@
 #include "core/noise.h"
 #include "core/number_text.h"
 #include "core/require.h"
+#include "diffusion/porous.h"
 #include "solid/mesh_file.h"
 #include "solid/primitives.h"
 
@@ -275,14 +276,40 @@ solid::Pins pins_at(const Sheet& sheet, double t) {
   return pins;
 }
 
+namespace {
+
+/// Effective stress [Lenaerts 2008, on a membrane]: tension = that of the material - η φ0 P t. Without load the
+/// material is then stretched by (1 - ν) η φ0 P / Y in every direction, which is where its rest lengths are put; at
+/// most doubled.
+void swell(Sheet& sheet, const diffusion::PorousParams& porous) {
+  const solid::ShellParams& material = sheet.params.material;
+  sheet.unswollen = sheet.inputs.rest_scale;
+  const std::vector<double> pressure =
+      diffusion::pore_pressure(porous, sheet.mesh, sheet.state.x, &sheet.unswollen, sheet.theta);
+  const double young = 0.5 * (material.young_warp + material.young_weft) * sheet.inputs.membrane_factor;
+  for (std::size_t t = 0; t < sheet.mesh.triangle_count(); ++t) {
+    double mean = 0.0;
+    for (const int vertex : sheet.mesh.triangles[t]) mean += pressure[vertex] / 3.0;
+    const double stretch = (1.0 - material.poisson) * porous.effective_stress * porous.porosity * mean /
+                           (young * sheet.inputs.stiffness_scale[t]);
+    sheet.inputs.rest_scale[t] = sheet.unswollen[t] * (1.0 + std::min(stretch, 1.0));
+  }
+}
+
+}  // namespace
+
 void refresh_inputs(Sheet& sheet, const WorldParams& world) {
-  if (!world.burning) return;
-  if (!sheet.free()) {
+  const bool swells = sheet.free() && world.diffusion && world.diffusion->model == diffusion::Model::porous &&
+                      world.diffusion->porous.effective_stress > 0.0;
+  if (world.burning && !sheet.free()) {
     for (std::size_t i = 0; i < sheet.inputs.mass.size(); ++i)
       sheet.inputs.mass[i] = sheet.areal_mass * sheet.mesh.vertex_area[i] * sheet.burning.fraction_left[i];
-    return;
+  } else if (world.burning) {
+    reshape(sheet.inputs, sheet.base, sheet.mesh, sheet.burning, *world.burning, sheet.areal_mass);
+  } else if (swells) {
+    sheet.inputs.rest_scale = sheet.base.rest_scale;
   }
-  reshape(sheet.inputs, sheet.base, sheet.mesh, sheet.burning, *world.burning, sheet.areal_mass);
+  if (swells && sheet.theta.size() == sheet.mesh.vertex_count()) swell(sheet, world.diffusion->porous);
 }
 
 void follow_motion(Sheet& sheet, double t, double dt) {

@@ -41,6 +41,7 @@ struct Sheet {
   solid::ShellInputs base, inputs;  ///< virgin, and as burning has left them
   std::vector<PinSet> pins;
 
+  std::vector<double> unswollen;      ///< rest_scale of the inputs without what pore pressure adds; empty: the same
   std::vector<double> theta;          ///< (T - T_amb)/(T_ref - T_amb), V; empty without diffusion
   std::vector<double> heat_capacity;  ///< [J per unit theta], V
   BurningState burning;               ///< empty without burning
@@ -55,6 +56,10 @@ struct Sheet {
   [[nodiscard]] bool driven() const { return params.motion.kind != MotionKind::none; }
   /// Moved by the shell solver.
   [[nodiscard]] bool free() const { return params.moves && !driven(); }
+  /// Rest lengths relative to the virgin ones, as the strain and the pores are measured against them.
+  [[nodiscard]] const std::vector<double>& rest_scale() const {
+    return unswollen.empty() ? inputs.rest_scale : unswollen;
+  }
   [[nodiscard]] SheetSurface surface() const { return {&mesh, &state.x, &state.v}; }
 };
 
@@ -80,7 +85,8 @@ void rebuild_topology(Sheet& sheet, const WorldParams& world);
 solid::Pins pins_at(const Sheet& sheet, double t);
 
 /// Masses, rest lengths, stiffness and curl as burning has left them; masses alone where no shell solver moves the
-/// sheet: a shape that is given has the strain of its virgin rest shape.
+/// sheet: a shape that is given has the strain of its virgin rest shape. Rest lengths swell with the pore pressure
+/// of the porous model as far as its effective stress says.
 void refresh_inputs(Sheet& sheet, const WorldParams& world);
 
 /// Puts a driven sheet where its motion is at time t, dt after the last one.

@@ -210,7 +210,7 @@ void World::Impl::diffuse(double dt, FrameReport& report) {
     Sheet& sheet = sheets[s];
     const SheetSupply supply = sheet_supply(params, sheet, ambient, kelvin, time, dt);
     diffusion::DiffusionInput input{.mesh = &sheet.mesh, .x = &sheet.state.x};
-    input.rest_scale = &sheet.inputs.rest_scale;
+    input.rest_scale = &sheet.rest_scale();
     input.mass = &sheet.heat_capacity;
     input.loss = &supply.loss;
     input.supply_rate = supply.any ? &supply.rate : nullptr;

@@ -52,6 +52,11 @@ void describe(ParameterVisitor& v, PorousParams& p) {
             "value of u at which the pores are full; heat needs the largest u of the run, since beyond it u flows "
             "on like a liquid under pressure"},
            p.full);
+  v.number(
+      {"effective_stress", "1", between(0.0, 1.0),
+       "eta of the effective stress, tension - eta phi_0 P t with P the pore pressure: wet places swell where they "
+       "are squeezed [Lenaerts 2008: 1]; thin cloth hardly feels it; 0: off"},
+      p.effective_stress);
 }
 
 void describe(ParameterVisitor& v, GravityTransportParams& p) {

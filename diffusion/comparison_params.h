@@ -20,17 +20,18 @@ void describe(ParameterVisitor& visitor, NoiseParams& params);
 /// here. Its η only reduces the stress of the solid, which the diffusion does not touch: it is not among these.
 /// Thickness and porosity-weighted capacity are already in M.
 struct PorousParams {
-  double capillary = 15000.0;    ///< k_c [Pa]
-  double exponent = 0.1;         ///< a
-  double regularisation = 1e-3;  ///< ε of (1 - s + ε)^a, whose slope at s = 1 would be infinite for a < 1
-  double pressure = 15000.0;     ///< k_p [Pa]
-  double tait = 7.0;             ///< β
-  double permeability = 1e-11;   ///< K [m2]
-  double viscosity = 1e-3;       ///< μ [Pa s]
-  double porosity = 0.8;         ///< φ0
-  double density = 1000.0;       ///< ρ of the liquid [kg/m3]
-  double relative = 1.0;         ///< n of kr = s^n
-  double full = 1.0;             ///< u at which the pores of the rest shape are full
+  double capillary = 15000.0;     ///< k_c [Pa]
+  double exponent = 0.1;          ///< a
+  double regularisation = 1e-3;   ///< ε of (1 - s + ε)^a, whose slope at s = 1 would be infinite for a < 1
+  double pressure = 15000.0;      ///< k_p [Pa]
+  double tait = 7.0;              ///< β
+  double permeability = 1e-11;    ///< K [m2]
+  double viscosity = 1e-3;        ///< μ [Pa s]
+  double porosity = 0.8;          ///< φ0
+  double density = 1000.0;        ///< ρ of the liquid [kg/m3]
+  double relative = 1.0;          ///< n of kr = s^n
+  double full = 1.0;              ///< u at which the pores of the rest shape are full
+  double effective_stress = 0.0;  ///< η: share of the pore pressure that the membrane feels
 };
 void describe(ParameterVisitor& visitor, PorousParams& params);
 

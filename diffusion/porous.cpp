@@ -77,6 +77,18 @@ Values vertex_dilation(const solid::ShellMesh& mesh, const std::vector<Vec3>& x,
 
 namespace {
 
+/// What squeezing makes of the pores of one vertex.
+struct Pores {
+  double full;       ///< u at which they are full
+  double stiffness;  ///< k_p max(0, J^-β - 1) [Pa]
+};
+Pores pores_at(const PorousParams& p, double dilation) {
+  const double j = std::max(dilation, 1.0 - (1.0 - least_pores) * p.porosity);
+  // At a million times k_p the vertex empties in any step; more would only cost digits.
+  return {p.full * (j - 1.0 + p.porosity) / p.porosity,
+          p.pressure * std::clamp(std::pow(j, -p.tait) - 1.0, 0.0, 1e6)};
+}
+
 /// One step in the making.
 class PorousStep {
  public:
@@ -139,14 +151,12 @@ class PorousStep {
 
   void prepare_vertices() {
     const Values dilation = vertex_dilation(*in_.mesh, *in_.x, in_.rest_scale);
-    const double phi = params_.porosity, closed = 1.0 - (1.0 - least_pores) * phi;
     const std::size_t n = dilation.size();
     for (Values* field : {&stiffness_, &lift_, &pores_}) field->resize(n);
     parallel_for(n, chunk, [&](std::size_t i) {
-      const double j = std::max(dilation[i], closed);
-      pores_[i] = params_.full * (j - 1.0 + phi) / phi;
-      // At a million times k_p the vertex empties in any step; more would only cost digits.
-      stiffness_[i] = params_.pressure * std::clamp(std::pow(j, -params_.tait) - 1.0, 0.0, 1e6);
+      const Pores pores = pores_at(params_, dilation[i]);
+      pores_[i] = pores.full;
+      stiffness_[i] = pores.stiffness;
       lift_[i] = -params_.density * in_.gravity.dot((*in_.x)[i]);
     });
   }
@@ -269,6 +279,16 @@ class PorousStep {
 };
 
 }  // namespace
+
+Values pore_pressure(const PorousParams& params, const solid::ShellMesh& mesh, const std::vector<Vec3>& x,
+                     const Values* rest_scale, const Values& u) {
+  Values pressure = vertex_dilation(mesh, x, rest_scale);
+  parallel_for(pressure.size(), chunk, [&](std::size_t i) {
+    const Pores pores = pores_at(params, pressure[i]);
+    pressure[i] = pores.stiffness * std::clamp(u[i] / pores.full, 0.0, 1.0);
+  });
+  return pressure;
+}
 
 TransferResult flow_through_pores(const PorousParams& params, const TransferInput& input,
                                   const SheetOperator& edges, double tolerance, LinearSolver& solver, Values& u) {

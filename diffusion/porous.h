@@ -34,6 +34,11 @@ class Retention {
 std::vector<double> vertex_dilation(const solid::ShellMesh& mesh, const std::vector<Vec3>& x,
                                     const std::vector<double>* rest_scale);
 
+/// Pore pressure k_p s max(0, J^-β - 1) of every vertex [Pa].
+std::vector<double> pore_pressure(const PorousParams& params, const solid::ShellMesh& mesh,
+                                  const std::vector<Vec3>& x, const std::vector<double>* rest_scale,
+                                  const std::vector<double>& u);
+
 /// Advances u by input.dt: implicit, modified Picard in mixed form [Celia 1990], whose matrix is symmetric in Ψ;
 /// amounts then cross the edges as the last iteration says, limited by contents and capacity. Where Picard does
 /// not converge the step is halved, down to dt/256; such steps are taken as they are, limited, and reported
