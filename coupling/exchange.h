@@ -24,24 +24,27 @@ struct VertexStencil {
 
 /// Stencils of all vertices of sheet number `sheet` in `raster` (V).
 /// Of the eight cell centres around a vertex, those on the + ends of the closed segments among them belong to
-/// face 1, those on the - ends to face 0, and so do cells joined to them by open segments of the same cube.
-std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sheet, const SheetSurface& surface);
+/// face 1, those on the - ends to face 0, and so do cells joined to them by open segments of the same cube. Centres
+/// that an obstacle hides from the vertex belong to neither.
+std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sheet, const SheetSurface& surface,
+                                           const std::vector<Obstacle>& obstacles = {});
 
-/// Moves the content of cells that a sheet has passed to the cells on the side they came from, and fills them
-/// from the side they are on now; sums are kept but for rounding. Returns the smoke [kg] and heat [J] that had
-/// nowhere to go (a cell walled in on all sides) and were taken out.
+/// What has moved since the gas last saw it.
+struct Sweep {
+  std::vector<std::vector<std::int64_t>> by_sheet = {};  ///< cells that each sheet has passed, see swept_cells()
+  const std::vector<Obstacle>* obstacles = nullptr;      ///< where they are now; null: none
+  std::vector<Vec3> shifts = {};                         ///< of each obstacle since then [m]; empty: none has moved
+};
 struct SweptLoss {
-  double smoke = 0.0, heat = 0.0;
+  double smoke = 0.0, heat = 0.0;                  ///< that had nowhere to go [kg], [J]
+  double smoke_out = 0.0, heat_out = 0.0;          ///< pushed out through open sides
   double rounded_smoke = 0.0, rounded_heat = 0.0;  ///< taken out (-: put in) by the rounding of cells to floats
 };
-SweptLoss hand_over_swept(const Raster& raster, const std::vector<std::int64_t>& swept,
-                          const fluid::SmokeParams& params, fluid::SmokeState& gas);
-
-/// The same of the cells that obstacle `number` has entered, left or passed on its way by `shift` [m] to where it
-/// is now (the raster has seen it there): what it meets goes before it, and the cells behind it are filled from
-/// beside.
-SweptLoss hand_over_displaced(const Raster& raster, const std::vector<Obstacle>& obstacles, std::size_t number,
-                              const Vec3& shift, const fluid::SmokeParams& params, fluid::SmokeState& gas);
+/// Moves the content of cells that sheets and obstacles have passed, entered or left to the nearest cells on the
+/// side where it was, and fills them from the side they are on now; sums are kept but for what is returned, which
+/// has been taken out.
+SweptLoss hand_over_swept(const Raster& raster, const Sweep& sweep, const fluid::SmokeParams& params,
+                          fluid::SmokeState& gas);
 
 /// Walls that close in push gas out with its heat, which transport on a grid of full cells and the handing over
 /// above do not: they pile it up. Cells beside walls that are hotter than `hottest` above ambient [K] pass the

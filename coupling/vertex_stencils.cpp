@@ -18,12 +18,23 @@ constexpr double kSameLayer = 0.2;
 struct Cube {
   Int3 base;
   std::array<double, 3> fraction;
-  std::array<std::int64_t, 8> cell;  ///< -1 outside the box or in an obstacle
+  std::array<std::int64_t, 8> cell;  ///< -1 outside the box, in an obstacle or behind one
 };
 
-Cube cube_around(const Raster& raster, const Vec3& x) {
+/// The place itself, or one just outside the obstacles that it touches: what rests on one is not inside it.
+Vec3 outside_of(const std::vector<Obstacle>& obstacles, const Vec3& x, double margin) {
+  Vec3 out = x;
+  for (const Obstacle& obstacle : obstacles) {
+    const DistanceSample at = sample_distance(obstacle, out);
+    if (at.distance < margin && at.distance > -100.0 * margin) out += (margin - at.distance) * at.gradient;
+  }
+  return out;
+}
+
+Cube cube_around(const Raster& raster, const std::vector<Obstacle>& obstacles, const Vec3& x) {
   const fluid::Grid& grid = raster.grid();
   const Vec3 q = (x - grid.origin) / grid.h - Vec3::Constant(0.5);
+  const Vec3 eye = outside_of(obstacles, x, 1e-3 * grid.h);
   Cube cube{};
   for (int a = 0; a < 3; ++a) {
     // Points far outside would overflow an int; anything below -2 or above n + 1 has no cells anyway.
@@ -35,7 +46,11 @@ Cube cube_around(const Raster& raster, const Vec3& x) {
     const int i = cube.base[0] + (n & 1), j = cube.base[1] + (n >> 1 & 1), k = cube.base[2] + (n >> 2);
     const bool inside = i >= 0 && j >= 0 && k >= 0 && i < grid.nx && j < grid.ny && k < grid.nz;
     cube.cell[n] = inside ? static_cast<std::int64_t>(grid.cell(i, j, k)) : -1;
-    if (inside && raster.walls().solid[cube.cell[n]]) cube.cell[n] = -1;
+    if (!inside) continue;
+    const Vec3 center = probe(grid, {i, j, k});
+    const auto hides = [&](const Obstacle& obstacle) { return segment_meets(obstacle, eye, center); };
+    if (raster.walls().solid[cube.cell[n]] || std::any_of(obstacles.begin(), obstacles.end(), hides))
+      cube.cell[n] = -1;
   }
   return cube;
 }
@@ -59,8 +74,8 @@ std::array<std::uint8_t, 8> label_corners(const Raster& raster, std::int32_t she
       const std::size_t face = face_above(raster, cube, n, axis);
       open[n][axis] = raster.walls().closed[axis][face] == 0;
       if (open[n][axis]) continue;
-      crossed = true;
       const std::int32_t index = raster.hit_at(axis, face);
+      crossed = crossed || index >= 0;
       if (index < 0 || raster.hits()[index].sheet != sheet) continue;
       const WallHit& hit = raster.hits()[index];
       const Int3& t = surface.mesh->triangles[hit.triangle];
@@ -82,11 +97,11 @@ std::array<std::uint8_t, 8> label_corners(const Raster& raster, std::int32_t she
   return label;
 }
 
-VertexStencil stencil_at(const Raster& raster, std::int32_t sheet, const SheetSurface& surface, const Vec3& x,
-                         const Vec3& normal) {
+VertexStencil stencil_at(const Raster& raster, std::int32_t sheet, const SheetSurface& surface,
+                         const std::vector<Obstacle>& obstacles, const Vec3& x, const Vec3& normal) {
   VertexStencil stencil;
   if (!x.allFinite()) return stencil;
-  const Cube cube = cube_around(raster, x);
+  const Cube cube = cube_around(raster, obstacles, x);
   bool crossed = false;
   auto label = label_corners(raster, sheet, surface, cube, normal, crossed);
   // At a rim, or on a sheet smaller than a cell, no segment is closed: both faces see all around.
@@ -112,12 +127,13 @@ VertexStencil stencil_at(const Raster& raster, std::int32_t sheet, const SheetSu
 
 }  // namespace
 
-std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sheet, const SheetSurface& surface) {
+std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sheet, const SheetSurface& surface,
+                                           const std::vector<Obstacle>& obstacles) {
   const std::vector<Vec3> normals = solid::vertex_normals(*surface.mesh, *surface.x);
   std::vector<VertexStencil> stencils(normals.size());
   parallel_for(normals.size(), kGrain, [&](std::size_t i) {
     const bool orphan = surface.mesh->component[i] < 0;
-    if (!orphan) stencils[i] = stencil_at(raster, sheet, surface, (*surface.x)[i], normals[i]);
+    if (!orphan) stencils[i] = stencil_at(raster, sheet, surface, obstacles, (*surface.x)[i], normals[i]);
   });
   return stencils;
 }

@@ -1,6 +1,7 @@
 /// The frame as the data flows: World::Impl::substep lists the stages in order, each is one function below it.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/require.h"
@@ -100,31 +101,33 @@ void World::Impl::substep(double dt, FrameReport& report) {
 void World::Impl::see_sheets() {
   if (!raster || (sheets.empty() && obstacles.empty())) return;
   raster->see(surfaces(), obstacles);
-  const auto book = [&](const SweptLoss& lost) {
-    ledgers["smoke"].book_flow("walled_in", -lost.smoke);
-    ledgers["heat"].book_flow("walled_in", -lost.heat);
-    ledgers["smoke"].book_flow("rounding", -lost.rounded_smoke);
-    ledgers["heat"].book_flow("rounding", -lost.rounded_heat);
-  };
-  for (std::size_t n = 0; n < seen_obstacles.size(); ++n) {
-    const Vec3 shift = obstacles[n].displacement - seen_obstacles[n];
-    if (!shift.isZero(0.0)) book(hand_over_displaced(*raster, obstacles, n, shift, *params.smoke, *gas));
-  }
-  seen_obstacles.clear();
-  for (const Obstacle& obstacle : obstacles) seen_obstacles.push_back(obstacle.displacement);
+  hand_over();
   stencils.assign(sheets.size(), {});
-  for (std::size_t s = 0; s < sheets.size(); ++s) {
-    Sheet& sheet = sheets[s];
-    if (!sheet.seen_x.empty() && (sheet.free() || sheet.driven())) {
-      const std::vector<std::int64_t> swept = swept_cells(raster->grid(), sheet.mesh, sheet.seen_x, sheet.state.x);
-      book(hand_over_swept(*raster, swept, *params.smoke, *gas));
-    }
-    sheet.seen_x = sheet.state.x;
-    if (params.diffusion) stencils[s] = vertex_stencils(*raster, static_cast<std::int32_t>(s), sheet.surface());
-  }
+  for (std::size_t s = 0; s < sheets.size() && params.diffusion; ++s)
+    stencils[s] = vertex_stencils(*raster, static_cast<std::int32_t>(s), sheets[s].surface(), obstacles);
   if (!params.burning) return;
   const double hottest = params.burning->flame_temperature - ambient;
   ledgers["heat"].book_flow("walled_in", -spread_excess_heat(*raster, hottest, *params.smoke, gas->temperature));
+}
+
+/// Moves what swept cells hold to where it belongs, and notes where the gas has seen everything.
+void World::Impl::hand_over() {
+  Sweep sweep{.obstacles = &obstacles};
+  for (std::size_t n = 0; n < seen_obstacles.size(); ++n)
+    sweep.shifts.emplace_back(obstacles[n].displacement - seen_obstacles[n]);
+  for (const Sheet& sheet : sheets)
+    if (!sheet.seen_x.empty() && (sheet.free() || sheet.driven()))
+      sweep.by_sheet.push_back(swept_cells(raster->grid(), sheet.mesh, sheet.seen_x, sheet.state.x));
+  const SweptLoss lost = hand_over_swept(*raster, sweep, *params.smoke, *gas);
+  for (const auto& [term, smoke, heat] :
+       {std::tuple("walled_in", lost.smoke, lost.heat), std::tuple("outflow", lost.smoke_out, lost.heat_out),
+        std::tuple("rounding", lost.rounded_smoke, lost.rounded_heat)}) {
+    ledgers["smoke"].book_flow(term, -smoke);
+    ledgers["heat"].book_flow(term, -heat);
+  }
+  seen_obstacles.clear();
+  for (const Obstacle& obstacle : obstacles) seen_obstacles.push_back(obstacle.displacement);
+  for (Sheet& sheet : sheets) sheet.seen_x = sheet.state.x;
 }
 
 /// Steps the gas with the sheets as walls; leaves the force of the gas on every vertex in `push`.

@@ -26,6 +26,7 @@ struct World::Impl {
   void shed_burnt_triangles();
   void move_sheets(double dt);
   void see_sheets();
+  void hand_over();
   void audit();
   void visit_unfinished(StateVisitor& visitor);
 

@@ -2,68 +2,75 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace wick::scenes {
 
 namespace {
 
+/// Strain of unburnt cloth or paper that no load of theirs explains.
 constexpr double kOddStretch = 0.25;
+/// Part of a quantity that sealed pockets may take out without a word.
 constexpr double kMuchWalledIn = 0.01;
 
-}  // namespace
-
-void RareEvents::add(const coupling::FrameReport& report) {
-  unconverged_solves_ += report.unconverged_solves;
-  lengthened_steps_ += report.lengthened_steps;
-  squeezed_steps_ += report.squeezed_steps;
+void add_stretched_shells(const Metrics& metrics, std::vector<std::string>& found) {
+  const std::string head = "/shell/", tail = "/max_stretch_unburnt";
+  for (const auto& [path, column] : metrics.columns()) {
+    if (!path.starts_with(head) || !path.ends_with(tail)) continue;
+    // A frame in which the shell had no such number holds NaN.
+    const auto most = std::max_element(column.begin(), column.end(),
+                                       [](double a, double b) { return std::isnan(a) ? !std::isnan(b) : a < b; });
+    if (most == column.end() || !(*most > kOddStretch)) continue;
+    const std::vector<double>* frames = metrics.column("/frame");
+    found.push_back(
+        fmt::format("shell \"{}\" stretched by {:.0f} % where it does not burn (frame {:.0f}): raise its substeps "
+                    "or stiffness, or "
+                    "see whether obstacles and pins pull it apart",
+                    path.substr(head.size(), path.size() - head.size() - tail.size()), 100.0 * *most,
+                    (*frames)[static_cast<std::size_t>(most - column.begin())]));
+  }
 }
 
-void RareEvents::look_at(int frame, const std::map<std::string, std::map<std::string, double>>& shells,
-                         const std::map<std::string, Ledger>& ledgers) {
-  for (const auto& [name, metrics] : shells) {
-    const auto found = metrics.find("max_stretch_unburnt");
-    if (found == metrics.end() || !(found->second > kOddStretch)) continue;
-    Stretch& most = stretched_[name];
-    if (found->second > most.strain) most = {found->second, frame};
-  }
+void add_walled_in(const std::map<std::string, Ledger>& ledgers, std::vector<std::string>& found) {
   for (const auto& [quantity, ledger] : ledgers) {
     const auto flow = ledger.flows().find("walled_in");
     if (flow == ledger.flows().end()) continue;
     const double share = std::abs(flow->second) / ledger.largest_amount();
     if (share > kMuchWalledIn)
-      walled_in_[quantity] = share;
-    else
-      walled_in_.erase(quantity);
+      found.push_back(
+          fmt::format("{:.0f} % of the {} was taken out of pockets that walls shut on all sides (walled_in in the "
+                      "ledger): finer "
+                      "cells resolve them",
+                      100.0 * share, quantity));
   }
 }
 
-std::vector<std::string> RareEvents::warnings() const {
+}  // namespace
+
+long long total_count(const Metrics& metrics, const std::string& path) {
+  long long total = 0;
+  if (const auto* column = metrics.column(path))
+    for (const double count : *column) total += std::isnan(count) ? 0 : static_cast<long long>(count);
+  return total;
+}
+
+std::vector<std::string> rare_events(const Metrics& metrics, const std::map<std::string, Ledger>& ledgers) {
   std::vector<std::string> found;
-  if (unconverged_solves_ > 0)
-    found.push_back(
-        fmt::format("{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)",
-                    unconverged_solves_));
-  if (squeezed_steps_ > 0)
+  if (const long long solves = total_count(metrics, "/unconverged_solves"); solves > 0)
+    found.push_back(fmt::format(
+        "{} solves stopped at their iteration limit, above their tolerance (see /solve in metrics.h5)", solves));
+  if (const long long steps = total_count(metrics, "/squeezed_steps"); steps > 0)
     found.push_back(fmt::format(
         "in {} steps closed walls pushed more gas in than out, which cannot flow anywhere: open a side of "
         "/smoke/sides, or keep what moves from entering or squeezing a closed box",
-        squeezed_steps_));
-  if (lengthened_steps_ > 0)
+        steps));
+  if (const long long steps = total_count(metrics, "/lengthened_steps"); steps > 0)
     found.push_back(fmt::format(
         "{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten the frame",
-        lengthened_steps_));
-  for (const auto& [name, most] : stretched_)
-    found.push_back(fmt::format(
-        "shell \"{}\" stretched by {:.0f} % where it does not burn (frame {}): raise its substeps or stiffness, "
-        "or see whether obstacles and pins pull it apart",
-        name, 100.0 * most.strain, most.frame));
-  for (const auto& [quantity, share] : walled_in_)
-    found.push_back(
-        fmt::format("{:.0f} % of the {} was taken out of pockets that walls shut on all sides (walled_in in the "
-                    "ledger): finer cells "
-                    "resolve them",
-                    100.0 * share, quantity));
+        steps));
+  add_stretched_shells(metrics, found);
+  add_walled_in(ledgers, found);
   return found;
 }
 

@@ -191,11 +191,7 @@ class Run {
     last_checkpoint_ = world_->time();
     record_.frames = world_->frame();
     record_.state_hash = hex(metrics_.last_hash());
-    long long unconverged = 0;
-    if (const auto* counts = metrics_.column("/unconverged_solves"))
-      for (const double count : *counts) unconverged += static_cast<long long>(count);
-    rare_.set_unconverged(unconverged);
-    record_.unconverged_solves = unconverged;
+    record_.unconverged_solves = total_count(metrics_, "/unconverged_solves");
   }
 
   ExitCode already_complete() {
@@ -245,7 +241,7 @@ class Run {
     const bool done = world_->frame() >= scene_.frames;
     finish_writing();
     if (done) write_motion();
-    for (const std::string& text : rare_.warnings()) warn(text);
+    for (const std::string& text : rare_events(metrics_, world_->ledgers())) warn(text);
     keeper_.write(record_, done ? "done" : "checkpointed");
     progress.summary(keeper_.seconds(), outputs_.background_seconds());
     if (!options_.quiet)
@@ -275,9 +271,7 @@ class Run {
     metrics_.set(frame, output_timing, output_seconds_);
     record_.frames = frame;
     record_.state_hash = hex(hash);
-    rare_.add(report);
-    rare_.look_at(frame, world_->shell_metrics(), world_->ledgers());
-    record_.unconverged_solves = rare_.unconverged_solves();
+    record_.unconverged_solves += report.unconverged_solves;
   }
 
   void add_checkpoint(FrameOutput& output) {
@@ -362,7 +356,6 @@ class Run {
   bool computed_ = false;        ///< a frame, by this process
   double output_seconds_ = 0.0;  ///< that the simulation waited for the outputs of the last frame
   double last_checkpoint_ = -1;  ///< simulated time of the state that was saved last [s]
-  RareEvents rare_;
   OutputQueue outputs_{folder_, scene_.output};
 };
 

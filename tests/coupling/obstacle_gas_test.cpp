@@ -105,5 +105,105 @@ TEST(ObstacleInGas, MovingBallKeepsTheBooksAndTheSmokeApart) {
   }
 }
 
+/// A burning sheet at rest, or moved by its pins, above a plate of a millimetre through all of the box.
+WorldParams sheet_over_plate(double height, const Vec3& velocity) {
+  WorldParams params;
+  params.smoke = test::closed_box(32);
+  params.smoke->sides.fill(fluid::Side::open);
+  params.shells.push_back(test::flat_sheet(21, 0.6, height));
+  if (velocity.isZero())
+    params.shells[0].moves = false;
+  else
+    params.shells[0].pins.push_back(
+        {.point = Vec3(0.5, 0.5, height), .radius = 9.0, .velocity = velocity, .stop_time = 9.0});
+  params.diffusion = diffusion::make_preset(diffusion::Preset::burning);
+  params.burning.emplace();
+  params.obstacles.push_back(
+      {.name = "plate", .kind = ObstacleKind::box, .lower = Vec3(-1, -1, 0.499), .upper = Vec3(2, 2, 0.5)});
+  params.heat_sources.push_back({.center = Vec3(0.5, 0.5, height), .radius = 0.12, .stop = 5.0});
+  return params;
+}
+
+TEST(ObstacleInGas, SheetOnAThinPlateSmokesOnItsOwnSide) {
+  // In the plate's cell, and carried down towards it.
+  for (const auto& [height, speed] : {std::pair(0.505, 0.0), std::pair(0.5005, 0.0), std::pair(0.62, 0.15)}) {
+    const WorldParams params = sheet_over_plate(height, Vec3(0, 0, -speed));
+    World world(params);
+    while (world.time() < 0.75) world.step(1.0 / 24);
+    const Ledger& smoke = world.ledgers().at("smoke");
+    EXPECT_GT(smoke.flows().at("burning"), 1e-6);
+    EXPECT_LT(smoke_beyond(world, *params.smoke, 0.4995, -1), 1e-9 * smoke.flows().at("burning")) << height;
+    EXPECT_LT(smoke.relative_error(), 1e-7);
+    EXPECT_LT(std::abs(smoke.flows().at("escaped")), 1e-2 * smoke.flows().at("burning")) << height;
+  }
+}
+
+TEST(ObstacleInGas, MovingBoxOfThinPlatesKeepsItsSmoke) {
+  for (const Vec3& velocity : {Vec3(0.8, 0, 0), Vec3(0.5, 0.5, 0.5)}) {
+    WorldParams params = plate_world(fluid::Advection::conservative);
+    params.smoke = test::closed_box(32);
+    params.smoke->sides.fill(fluid::Side::open);
+    params.obstacles.clear();
+    const double low = 0.2, high = 0.55, thick = 0.001;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double at : {low, high}) {
+        Vec3 lower = Vec3::Constant(low - thick), upper = Vec3::Constant(high + thick);
+        lower[axis] = at - thick;
+        upper[axis] = at + thick;
+        params.obstacles.push_back(
+            {.name = "wall", .kind = ObstacleKind::box, .lower = lower, .upper = upper, .velocity = velocity});
+      }
+    params.heat_sources = {
+        {.center = Vec3(0.37, 0.37, 0.37), .radius = 0.06, .velocity = velocity, .gas_smoke = 1e-4, .stop = 0.2}};
+    World world(params);
+    while (world.time() < 0.5) world.step(1.0 / 48);
+    const fluid::Grid grid = fluid::smoke_grid(*params.smoke);
+    double outside = 0.0, total = 0.0;
+    for (int k = 0; k < grid.nz; ++k)
+      for (int j = 0; j < grid.ny; ++j)
+        for (int i = 0; i < grid.nx; ++i) {
+          const double kg = world.smoke()->density[grid.cell(i, j, k)] * std::pow(grid.h, 3);
+          const Vec3 p = grid.cell_center(i, j, k) - world.time() * velocity;
+          total += kg;
+          if (p.minCoeff() < low || p.maxCoeff() > high) outside += kg;
+        }
+    EXPECT_GT(total, 1e-5);
+    EXPECT_LT(outside, 1e-9 * total) << velocity.transpose();
+    EXPECT_LT(world.ledgers().at("smoke").relative_error(), 1e-7);
+  }
+}
+
+TEST(ObstacleInGas, ClosingSlotLetsItsSmokeOutAtItsSides) {
+  WorldParams params = plate_world(fluid::Advection::conservative);
+  params.smoke = test::closed_box(32);
+  params.smoke->sides.fill(fluid::Side::open);
+  params.obstacles = {
+      {.name = "box", .kind = ObstacleKind::box, .lower = Vec3(0.2, 0.2, 0.3), .upper = Vec3(0.8, 0.8, 0.5)},
+      {.name = "lid",
+       .kind = ObstacleKind::box,
+       .lower = Vec3(0.1, 0.1, 0.72),
+       .upper = Vec3(0.9, 0.9, 0.725),
+       .velocity = Vec3(0, 0, -0.25)}};
+  params.heat_sources = {
+      {.center = Vec3(0.5, 0.5, 0.6), .radius = 0.06, .gas_power = 5.0, .gas_smoke = 4e-5, .stop = 0.2}};
+  World world(params);
+  while (world.time() < 0.85) world.step(1.0 / 24);
+  const Ledger& smoke = world.ledgers().at("smoke");
+  EXPECT_LT(std::abs(smoke.flows().at("walled_in")), 1e-9 * smoke.flows().at("sources"));
+}
+
+TEST(ObstacleInGas, WhatIsPushedOutOfAnOpenSideIsOutflow) {
+  WorldParams params = plate_world(fluid::Advection::conservative);
+  params.heat_sources[0].stop = 0.1;
+  params.heat_sources[0].center.z() = 0.8;
+  params.obstacles[0].velocity = Vec3(0, 0, 0.5);
+  World world(params);
+  while (world.time() < 1.0) world.step(1.0 / 24);
+  const Ledger& smoke = world.ledgers().at("smoke");
+  EXPECT_LT(std::abs(smoke.flows().at("walled_in")), 1e-9 * smoke.flows().at("sources"));
+  EXPECT_LT(smoke.stocks().at("grid"), 1e-9 * smoke.flows().at("sources")) << "all is pushed out";
+  EXPECT_LT(smoke.relative_error(), 1e-7);
+}
+
 }  // namespace
 }  // namespace wick::coupling

@@ -227,7 +227,8 @@ TEST(SweptCells, HandOverKeepsSumsAndSides) {
   const double total = fluid::total_smoke(gas, params);
 
   raster.see({{&mesh, &after, &v}}, {});
-  const SweptLoss lost = hand_over_swept(raster, swept_cells(raster.grid(), mesh, before, after), params, gas);
+  const SweptLoss lost =
+      hand_over_swept(raster, {.by_sheet = {swept_cells(raster.grid(), mesh, before, after)}}, params, gas);
   EXPECT_NEAR(fluid::total_smoke(gas, params) + lost.smoke, total, 1e-6 * total);
   EXPECT_EQ(lost.smoke, 0.0);
   const auto now_outside = outside_cells(raster);
