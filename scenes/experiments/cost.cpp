@@ -249,18 +249,15 @@ void judge(Regime regime, const std::vector<Method>& list, std::size_t vertices,
 constexpr const char* analysis =
     "The article prints bars without numbers; what is compared here is what it claims, that its method costs *a "
     "little more* than the others. As printed (C after the diffusion, one factor for the whole sheet) this holds: "
-    "C "
-    "and the sums are a few passes over the mesh. The bar *as printed* has the operator of the others; the preset "
-    "`literal` is the article to the letter, umbrella and plain sums included. Only where the solve itself is easy "
-    "(20,000 vertices, soft) do "
-    "these "
-    "passes come near a quarter of it. The default form needs no second solve: C and its payment are rates of the "
-    "one "
-    "that there is, whose matrix the payment makes easier. What it pays for is C itself and four averages on "
-    "patches "
-    "half a scope radius apart, whose factor lasts as long as the topology. In a whole frame of a burning sheet "
-    "the "
-    "diffusion is some per cent, and so is the difference lost in the scatter of the rest.";
+    "C and the sums are a few passes over the mesh. The bar *as printed* has the operator of the others; the "
+    "preset `literal` is the article to the letter, umbrella and plain sums included. Only where the solve itself "
+    "is easy (20,000 vertices, soft) do these passes come near a quarter of it. The default form needs no second "
+    "solve: C and its payment are rates of the one that there is, whose matrix the payment makes easier. What it "
+    "pays for is C itself and four averages on patches half a scope radius apart, whose factor lasts as long as "
+    "the topology. At 20,000 vertices, soft, where the solve is easiest, this is 2.66 times the isotropic step if "
+    "that is charged without the C that it only shows, more than the 2.5 asked for, and 2.14 times as the program "
+    "runs it. In a whole frame of a burning sheet the diffusion is some per cent; of the 19 ms that a frame takes "
+    "longer, 0.7 are diffusion, the rest is that the two fires differ.";
 
 ExperimentReport cost(const Surroundings& s) {
   ExperimentReport report;
