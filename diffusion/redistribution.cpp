@@ -110,14 +110,27 @@ double target_total(const DiffusionParams& params, const RescaleInput& in, std::
   return std::max(0.0, star + (params.sigma - 1.0) * std::max(given, 0.0));
 }
 
-/// Influx near its source: what sigma makes of the supply appears where it was supplied.
-void scale_supply(const DiffusionParams& params, const RescaleInput& in, std::span<const std::int32_t> members,
-                  std::vector<double>& v) {
+/// Influx in local scopes: what sigma makes of the supply, g = (σ - 1) supply, goes to what is held near it:
+/// v_i += v_i K(g / K(W v)). Clamps at 0.
+void scale_supply(const DiffusionParams& params, const RescaleInput& in, const VertexGroups& groups,
+                  const Kernel& kernel, std::vector<double>& v) {
   if (params.sigma_mode != SigmaMode::influx || params.sigma == 1.0) return;
-  if (!(sum_over(members, [&](std::size_t i) { return (*in.supply)[i]; }) > 0.0)) return;
-  for (const std::int32_t i : members)
-    if ((*in.weight)[i] > 0.0)
-      v[i] = std::max(0.0, v[i] + (params.sigma - 1.0) * (*in.supply)[i] / (*in.weight)[i]);
+  const std::vector<double>&w = *in.weight, &supply = *in.supply;
+  const std::size_t n = v.size();
+  std::vector<double> rhs(n), made(n, 0.0);
+  for (std::size_t g = 0; g < groups.count(); ++g) {
+    const double net = sum_over(groups[g], [&](std::size_t i) { return supply[i]; });
+    const double given = sum_over(groups[g], [&](std::size_t i) { return std::max(0.0, supply[i]); });
+    if (!(net > 0.0)) continue;
+    const double share = std::abs(params.sigma - 1.0) * net / given;
+    for (const std::int32_t i : groups[g]) made[i] = share * std::max(0.0, supply[i]);
+  }
+  parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = w[i] * v[i]; });
+  const std::vector<double> nearby = kernel(rhs);
+  parallel_for(n, chunk, [&](std::size_t i) { rhs[i] = nearby[i] > 0.0 ? made[i] / nearby[i] : 0.0; });
+  const std::vector<double> change = kernel(rhs);
+  const double sign = params.sigma > 1.0 ? 1.0 : -1.0;
+  parallel_for(n, chunk, [&](std::size_t i) { v[i] *= std::max(0.0, 1.0 + sign * change[i]); });
 }
 
 /// Rescales only the front of one component, each vertex as far as it belongs to it. Returns false, leaving v, when
@@ -157,6 +170,7 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
         redistribute_locally(*in.mass, *in.c, params.scope == Scope::local ? everywhere : *in.front, kernel, u);
   }
   const VertexGroups& groups = params.scope == Scope::global ? *in.whole : *in.components;
+  if (local) scale_supply(params, in, groups, kernel, u);
   for (std::size_t g = 0; g < groups.count(); ++g) {
     const auto members = groups[g];
     const double star = sum_over(members, [&](std::size_t i) { return (*in.weight)[i] * (*in.u_star)[i]; });
@@ -169,7 +183,6 @@ RescaleResult rescale(const DiffusionParams& params, const RescaleInput& in, con
       if (!(kept >= 0.5 * held && kept <= 100.0 * held))
         for (const std::int32_t i : members) u[i] = before[i];
     }
-    if (near) scale_supply(params, in, members, u);
     Projection done;
     if (params.scope != Scope::front || !rescale_front(in, members, target - star, u, done))
       done = project_total(members, *in.weight, target, near ? 0.0 : in.capacity, u);
