@@ -9,12 +9,14 @@
 namespace wick::fluid {
 
 struct Grid {
-  int nx = 0, ny = 0, nz = 0;   ///< cells, each >= 1
-  double h = 0.0;               ///< edge of the cubic cell [m]
-  Vec3 origin = Vec3::Zero();   ///< lower corner of cell (0,0,0) [m]
+  int nx = 0, ny = 0, nz = 0;  ///< cells, each >= 1
+  double h = 0.0;              ///< edge of the cubic cell [m]
+  Vec3 origin = Vec3::Zero();  ///< lower corner of cell (0,0,0) [m]
 
   [[nodiscard]] std::size_t cells() const { return std::size_t(nx) * ny * nz; }
-  [[nodiscard]] std::size_t cell(int i, int j, int k) const { return i + std::size_t(nx) * (j + std::size_t(ny) * k); }
+  [[nodiscard]] std::size_t cell(int i, int j, int k) const {
+    return i + std::size_t(nx) * (j + std::size_t(ny) * k);
+  }
   [[nodiscard]] int size(int axis) const { return axis == 0 ? nx : axis == 1 ? ny : nz; }
 
   /// Faces normal to `axis`: one more than cells along it. Face (i,j,k) is the lower face of cell (i,j,k).

@@ -22,17 +22,17 @@ class ParameterVisitor;
 namespace wick::fluid {
 
 struct PressureParams {
-  double tolerance = 1e-5;   ///< relative 2-norm of the true residual
+  double tolerance = 1e-5;  ///< relative 2-norm of the true residual
   int max_iterations = 200;
 };
 void describe(ParameterVisitor& visitor, PressureParams& params);
 
 struct ProjectionInput {
-  double density = 1.2;                        ///< rho [kg/m3]
-  double dt = 0.0;                             ///< [s], > 0
-  const Walls* walls = nullptr;                ///< null or !any: empty box
-  const CellField* expansion = nullptr;        ///< s, wanted divergence [1/s]; null: 0
-  const MovableWalls* movable = nullptr;       ///< null: walls move as given (partitioned)
+  double density = 1.2;                   ///< rho [kg/m3]
+  double dt = 0.0;                        ///< [s], > 0
+  const Walls* walls = nullptr;           ///< null or !any: empty box
+  const CellField* expansion = nullptr;   ///< s, wanted divergence [1/s]; null: 0
+  const MovableWalls* movable = nullptr;  ///< null: walls move as given (partitioned)
 };
 
 class PressureSolver {

@@ -20,25 +20,25 @@ namespace wick::fluid {
 enum class Advection { semi_lagrangian, maccormack, conservative };
 
 struct SmokeParams {
-  Int3 resolution = {64, 64, 64};   ///< cells
-  Vec3 lower = Vec3::Zero();        ///< lower corner of the box [m]
-  double width = 1.0;               ///< extent of the box along x [m]; cells are cubes of width/nx
+  Int3 resolution = {64, 64, 64};  ///< cells
+  Vec3 lower = Vec3::Zero();       ///< lower corner of the box [m]
+  double width = 1.0;              ///< extent of the box along x [m]; cells are cubes of width/nx
   Sides sides = {Side::closed, Side::closed, Side::closed, Side::closed, Side::closed, Side::open};
-  double cfl = 2.0;                 ///< cells the fastest flow may cross in one step
+  double cfl = 2.0;  ///< cells the fastest flow may cross in one step
   Advection velocity_advection = Advection::maccormack;
   Advection scalar_advection = Advection::conservative;
-  double air_density = 1.2;         ///< rho [kg/m3]
-  double air_heat_capacity = 1005;  ///< c_p [J/(kg K)]
+  double air_density = 1.2;             ///< rho [kg/m3]
+  double air_heat_capacity = 1005;      ///< c_p [J/(kg K)]
   double ambient_temperature = 293.15;  ///< T_amb [K]
-  double buoyancy_heat = 1.0;       ///< b: multiplies the lift g (T - T_amb)/T [-]; 1 is the physical value
-  double buoyancy_smoke = 1.0;      ///< a: multiplies the weight g rho_s/rho of the smoke carried [-]
-  double vorticity = 0.1;           ///< confinement eps [-]
-  double viscosity = 0.0;           ///< nu [m2/s]
-  double diffusivity = 0.0;         ///< of density and temperature, k [m2/s]
-  double dissipation = 0.0;         ///< rate at which smoke density fades [1/s], booked as a flow out
-  double cooling = 0.0;             ///< rate at which gas loses its excess heat [1/s], booked
-  double flame_life = 0.15;         ///< time in which the reaction coordinate decays [s]
-  bool no_slip = false;             ///< closed sides hold the air beside them instead of letting it slip
+  double buoyancy_heat = 1.0;           ///< b: multiplies the lift g (T - T_amb)/T [-]; 1 is the physical value
+  double buoyancy_smoke = 1.0;          ///< a: multiplies the weight g rho_s/rho of the smoke carried [-]
+  double vorticity = 0.1;               ///< confinement eps [-]
+  double viscosity = 0.0;               ///< nu [m2/s]
+  double diffusivity = 0.0;             ///< of density and temperature, k [m2/s]
+  double dissipation = 0.0;             ///< rate at which smoke density fades [1/s], booked as a flow out
+  double cooling = 0.0;                 ///< rate at which gas loses its excess heat [1/s], booked
+  double flame_life = 0.15;             ///< time in which the reaction coordinate decays [s]
+  bool no_slip = false;                 ///< closed sides hold the air beside them instead of letting it slip
   std::array<Vec3, 6> side_velocity = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),   ///< of closed sides that do not
                                        Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< slip; only along them [m/s]
   bool active_window = true;
@@ -52,18 +52,19 @@ struct SmokeState {
   CellField density;             ///< smoke carried [kg/m3]
   CellField temperature;         ///< excess over ambient, T - T_amb [K]
   CellField flame;               ///< reaction coordinate in [0, 1], for rendering
-  std::vector<std::int32_t> window;  ///< active window of the last step: low and high corner [cells]; empty: the box
+  std::vector<std::int32_t>
+      window;  ///< active window of the last step: low and high corner [cells]; empty: the box
 };
 void visit(StateVisitor& visitor, SmokeState& state);
 
 /// What the world puts into the gas during a step. Amounts are totals for the step.
 struct SmokeSources {
   std::vector<std::int64_t> cell;
-  std::vector<double> smoke;   ///< [kg], per entry
-  std::vector<double> heat;    ///< [J], per entry
-  std::vector<double> flame;   ///< raises flame to at least this value, per entry
+  std::vector<double> smoke;  ///< [kg], per entry
+  std::vector<double> heat;   ///< [J], per entry
+  std::vector<double> flame;  ///< raises flame to at least this value, per entry
   Vec3 gravity = Vec3(0, 0, -9.81);
-  const FaceField* body_force = nullptr;   ///< acceleration on faces [m/s2]; null: none
+  const FaceField* body_force = nullptr;  ///< acceleration on faces [m/s2]; null: none
 };
 
 /// What crossed the boundary of the gas in one step, and what the scheme itself changed.
@@ -76,8 +77,8 @@ struct SmokeStepReport {
   double max_speed = 0.0;        ///< largest |component| of velocity, after the step [m/s]
   double max_divergence = 0.0;   ///< [1/s], after the projection
   std::size_t active_cells = 0;
-  int transport_substeps = 1;    ///< of conservative transport
-  StageSeconds seconds;          ///< forces, advect_velocity, advect_scalars, diffuse, pressure
+  int transport_substeps = 1;  ///< of conservative transport
+  StageSeconds seconds;        ///< forces, advect_velocity, advect_scalars, diffuse, pressure
 };
 
 /// Refuses parameters that contradict each other.

@@ -139,8 +139,9 @@ struct Passage {
 };
 
 /// Top-hat values of the time mean at one height [Morton 1956]: Q = π b²w = ∫ w dA, M = π b²w² = ∫ w² dA,
-/// π b²wθ = ∫ wθ dA. The air around the plume, slower than a fiftieth of the fastest, does not belong to it: a higher
-/// bound would cut off the skirt that takes up to a tenth of the volume flux, and narrow the plume by as much.
+/// π b²wθ = ∫ wθ dA. The air around the plume, slower than a fiftieth of the fastest, does not belong to it: a
+/// higher bound would cut off the skirt that takes up to a tenth of the volume flux, and narrow the plume by as
+/// much.
 struct TopHat {
   double width = 0.0, w = 0.0, theta = 0.0, heat = 0.0;
 };
@@ -184,8 +185,8 @@ Passage run_plume(const SmokeParams& p, double power, double settled, double end
 
 // Time means of a plume over 6..20 source radii: w ~ z^(-1/3), g' ~ z^(-5/3), and an entrainment db/dz = 6/5 α
 // with α between 0.10 and 0.16 as published. Heights count from where the width, which grows in proportion to
-// height, would be 0. All heat of the source passes every height, but for what passes outside the plume. Means of 8 s
-// scatter by 0.009 in α, so that the 96 s of this one leave a standard error of 0.003.
+// height, would be 0. All heat of the source passes every height, but for what passes outside the plume. Means of 8
+// s scatter by 0.009 in α, so that the 96 s of this one leave a standard error of 0.003.
 TEST(LongBuoyancy, APlumeThinsOutAsItRises) {
   SmokeParams p;
   p.resolution = {72, 72, 108};

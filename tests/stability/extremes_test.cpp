@@ -154,7 +154,8 @@ TEST(Stability, BoxesOfOddShapes) {
 }
 
 TEST(Stability, GridSpacingsFromAThousandthToAThousandfoldUnderTheSameSheet) {
-  // The cells change and nothing else: the box covers a speck of the sheet, or the sheet lies in a corner of a cell.
+  // The cells change and nothing else: the box covers a speck of the sheet, or the sheet lies in a corner of a
+  // cell.
   for (const double factor : {1e-3, 1e-2, 1e-1, 10.0, 1e2, 1e3}) {
     WorldParams params = small_world();
     params.smoke->width *= factor;
@@ -169,7 +170,8 @@ TEST(Stability, GridSpacingsFromAThousandthToAThousandfoldUnderTheSameSheet) {
 }
 
 TEST(Stability, BoxesSixtyFourTimesAsLongAsWide) {
-  for (const Int3 resolution : {Int3{1, 64, 1}, Int3{64, 1, 1}, Int3{4, 4, 256}, Int3{4, 256, 4}, Int3{256, 4, 4}}) {
+  for (const Int3 resolution :
+       {Int3{1, 64, 1}, Int3{64, 1, 1}, Int3{4, 4, 256}, Int3{4, 256, 4}, Int3{256, 4, 4}}) {
     WorldParams params = small_world();
     params.smoke->resolution = resolution;
     params.smoke->width = resolution[0] / 12.0;
