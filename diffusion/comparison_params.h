@@ -17,7 +17,7 @@ struct NoiseParams {
 void describe(ParameterVisitor& visitor, NoiseParams& params);
 
 /// Darcy flow through the pores of the sheet [Lenaerts 2008]. k_c, a and β are the article's; the rest is chosen
-/// here. Its η only reduces the stress of the solid, which the diffusion does not touch: it is not among these.
+/// here. Its η acts on the stress of the solid alone, so that it is asked for where the sheet is moved.
 /// Thickness and porosity-weighted capacity are already in M.
 struct PorousParams {
   double capillary = 15000.0;     ///< k_c [Pa]

@@ -1,6 +1,6 @@
 #include "diffusion/overflow.h"
 
-#include <limits>
+#include <algorithm>
 #include <queue>
 #include <tuple>
 

@@ -6,7 +6,7 @@
 
 namespace wick::diffusion {
 
-/// Lengths of the edges by which a graph is walked, and what its vertices can hold.
+/// A sheet as it is walked: its edges and their lengths.
 struct OverflowMap {
   const SheetGraph* graph = nullptr;
   const std::vector<double>* edge_length = nullptr;  ///< [m], by SheetGraph::entry_edge

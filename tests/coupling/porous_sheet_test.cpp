@@ -79,5 +79,23 @@ TEST(EffectiveStress, PushesASqueezedWetSheetOutwardAndADryOneNot) {
   EXPECT_GT(wet, 1.002 * off);
 }
 
+TEST(EffectiveStress, StaysFiniteAtTheEndsOfItsParameters) {
+  for (const double young : {1e3, 1e9})
+    for (const double pressure : {0.0, 1e9})
+      for (const double wet : {0.0, 1.0}) {
+        WorldParams params = porous_world(1.0);
+        params.gravity = Vec3(0, 0, -9.81);
+        params.shells[0].material.young_warp = params.shells[0].material.young_weft = young;
+        params.shells[0].mesh.wrinkle = 0.01;
+        params.shells[0].pins.push_back({.edge = PinEdge::lower_x});
+        params.diffusion->porous.pressure = pressure;
+        params.heat_sources.push_back(
+            {.center = Vec3(0.5, 0.5, 0.5), .radius = 9.0, .rate = 1e3 * wet, .stop = 9.0});
+        World world(params);
+        for (int frame = 0; frame < 10; ++frame) world.step(1.0 / 60.0);
+        for (const Vec3& x : *world.shells().front().x) ASSERT_TRUE(x.allFinite()) << young << " " << pressure;
+      }
+}
+
 }  // namespace
 }  // namespace wick::coupling
