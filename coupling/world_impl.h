@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "coupling/exchange.h"
+#include "coupling/heat_sources.h"
 #include "coupling/rasterize.h"
 #include "coupling/sheet.h"
-#include "coupling/sources.h"
 #include "coupling/world.h"
+#include "coupling/world_parts.h"
 
 namespace wick::coupling {
 

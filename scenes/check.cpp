@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "coupling/sources.h"
+#include "coupling/world_parts.h"
 #include "coupling/world.h"
 #include "fluid/smoke.h"
 #include "scenes/disk_estimate.h"

@@ -368,6 +368,11 @@ fs::path output_folder(const RunOptions& options, const Scene& scene) {
 Scene load_scene(const RunOptions& options) {
   Scene scene = read_scene(options.scene, options.set);
   if (options.frames) scene.frames = *options.frames;
+  const double end = (scene.frames - 1) / scene.fps;
+  for (std::size_t n = 0; n < scene.world.heat_sources.size(); ++n)
+    if (scene.world.heat_sources[n].start >= end)
+      scene.warnings.push_back(
+          fmt::format("/heat_sources/{}/start: the source has no effect (the last frame is at {:.4g} s)", n, end));
   return scene;
 }
 

@@ -193,6 +193,10 @@ TEST_F(Command, WarnsOfParametersWithoutEffect) {
       run({"check", "small.json", "--set", "/shells/0/pins=[{\"edge\": \"-x\", \"velocity\": [1, 0, 0]}]"});
   EXPECT_NE(still.err.find("/shells/0/pins/0/velocity: has no effect (stop_time is 0"), std::string::npos)
       << still.err;
+  const Outcome late = run({"check", "small.json", "--set", "/heat_sources=[{\"start\": 900, \"stop\": 901}]"});
+  EXPECT_NE(late.err.find("/heat_sources/0/start: the source has no effect (the last frame is at "),
+            std::string::npos)
+      << late.err;
 }
 
 TEST_F(Command, AnswersWithoutRunning) {

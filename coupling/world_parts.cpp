@@ -1,4 +1,4 @@
-#include "coupling/sources.h"
+#include "coupling/world_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,61 +10,6 @@
 #include "coupling/rasterize.h"
 
 namespace wick::coupling {
-
-namespace {
-
-/// What a source heats at one time.
-struct SourceRegion {
-  SourceKind kind;
-  Vec3 center, lower, upper;
-  double radius;
-
-  [[nodiscard]] bool contains(const Vec3& p) const {
-    if (kind == SourceKind::ball) return (p - center).norm() <= radius;
-    return (p.array() >= lower.array()).all() && (p.array() <= upper.array()).all();
-  }
-};
-
-SourceRegion region_at(const HeatSourceParams& source, double time) {
-  const Vec3 moved = time * source.velocity;
-  if (source.kind == SourceKind::box)
-    return {source.kind, 0.5 * (source.lower + source.upper) + moved, source.lower + moved, source.upper + moved,
-            0.0};
-  const Vec3 center = source.center + moved, reach = Vec3::Constant(source.radius);
-  return {source.kind, center, center - reach, center + reach, source.radius};
-}
-
-/// Share of [time, time + dt] in which the source is on.
-double on_share(const HeatSourceParams& source, double time, double dt) {
-  const double on = std::min(time + dt, source.stop) - std::max(time, source.start);
-  return std::clamp(on / dt, 0.0, 1.0);
-}
-
-/// Calls body(i, j, k) for the cells of the grid whose centre lies in the region; for the nearest one when none
-/// does.
-template <class Body>
-void for_cells_in(const SourceRegion& region, const fluid::Grid& grid, Body&& body) {
-  const Vec3 low = (region.lower - grid.origin) / grid.h;
-  const Vec3 high = (region.upper - grid.origin) / grid.h;
-  Int3 first, last;
-  for (int a = 0; a < 3; ++a) {
-    first[a] = static_cast<int>(std::floor(std::clamp(low[a], 0.0, double(grid.size(a)))));
-    last[a] = static_cast<int>(std::floor(std::clamp(high[a], -1.0, double(grid.size(a) - 1))));
-  }
-  bool any = false;
-  for (int k = first[2]; k <= last[2]; ++k)
-    for (int j = first[1]; j <= last[1]; ++j)
-      for (int i = first[0]; i <= last[0]; ++i)
-        if (region.contains(grid.cell_center(i, j, k))) {
-          any = true;
-          body(i, j, k);
-        }
-  const Vec3 q = (region.center - grid.origin) / grid.h;
-  const bool inside = (q.array() >= 0.0).all() && q.x() < grid.nx && q.y() < grid.ny && q.z() < grid.nz;
-  if (!any && inside) body(static_cast<int>(q.x()), static_cast<int>(q.y()), static_cast<int>(q.z()));
-}
-
-}  // namespace
 
 void check_world(const WorldParams& p) {
   require(!p.burning || p.diffusion, "/burning",
@@ -164,86 +109,6 @@ std::vector<MemoryShare> world_memory(const WorldParams& p) {
       shares.push_back({"/obstacles/" + std::to_string(n) + "/file",
                         kPerFileByte * mesh_file_bytes(p.obstacles[n].file, p), "use a coarser mesh"});
   return shares;
-}
-
-fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, const fluid::Walls& walls,
-                                double time, double dt) {
-  fluid::SmokeSources sources;
-  sources.gravity = p.gravity;
-  for (const HeatSourceParams& source : p.heat_sources) {
-    const double share = on_share(source, time, dt);
-    if (share == 0.0 || (source.gas_power == 0.0 && source.gas_smoke == 0.0)) continue;
-    const std::size_t first = sources.cell.size();
-    for_cells_in(region_at(source, time), grid, [&](int i, int j, int k) {
-      const std::size_t c = grid.cell(i, j, k);
-      if (walls.any && walls.solid[c]) return;
-      sources.cell.push_back(static_cast<std::int64_t>(c));
-    });
-    const auto cells = static_cast<double>(sources.cell.size() - first);
-    sources.smoke.resize(sources.cell.size(), source.gas_smoke * share * dt / cells);
-    sources.heat.resize(sources.cell.size(), source.gas_power * share * dt / cells);
-    sources.flame.resize(sources.cell.size(), source.gas_power > 0.0 ? 1.0 : 0.0);
-  }
-  return sources;
-}
-
-std::vector<std::string> sources_without_gas(const WorldParams& p, const std::vector<Obstacle>& obstacles,
-                                             const fluid::Grid& grid) {
-  std::vector<std::string> found;
-  const bool still =
-      std::all_of(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.velocity.isZero(); });
-  for (std::size_t n = 0; n < p.heat_sources.size(); ++n) {
-    const HeatSourceParams& source = p.heat_sources[n];
-    if (source.gas_power == 0.0 && source.gas_smoke == 0.0) continue;
-    const std::string pointer =
-        "/heat_sources/" + std::to_string(n) + (source.gas_power != 0.0 ? "/gas_power" : "/gas_smoke");
-    // The box, widened by the source's half size, meets the way of the source's centre or not.
-    const SourceRegion begin = region_at(source, source.start), end = region_at(source, source.stop);
-    const Vec3 half = 0.5 * (begin.upper - begin.lower);
-    const Vec3 top = grid.origin + grid.h * Vec3(grid.nx, grid.ny, grid.nz);
-    const Obstacle box{.name = "", .shape = BoxShape{grid.origin - half, top + half}};
-    if (!segment_meets(box, begin.center, end.center)) {
-      found.push_back(pointer + ": has no effect (the source is outside the box of the gas all the time)");
-      continue;
-    }
-    if (!still || !source.velocity.isZero()) continue;
-    bool gas = false;
-    for_cells_in(begin, grid, [&](int i, int j, int k) {
-      const Vec3 center = probe(grid, {i, j, k});
-      gas = gas || std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
-              return sample_distance(obstacle, center).distance >= 0.0;
-            });
-    });
-    if (!gas) found.push_back(pointer + ": has no effect (no cell of gas lies in the source)");
-  }
-  return found;
-}
-
-SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambient, double kelvin, double time,
-                         double dt) {
-  SheetSupply supply;
-  const std::size_t count = sheet.mesh.vertex_count();
-  supply.loss.resize(count);
-  for (std::size_t i = 0; i < count; ++i) supply.loss[i] = p.heat.loss * sheet.heat_capacity[i];
-  for (const HeatSourceParams& source : p.heat_sources) {
-    const double rate = source.rate * on_share(source, time, dt);
-    if (rate == 0.0) continue;
-    if (!supply.any) {
-      supply.rate.assign(count, 0.0);
-      supply.value.assign(count, 0.0);
-      supply.any = true;
-    }
-    const SourceRegion region = region_at(source, time);
-    const double value = std::max(0.0, (source.temperature - ambient) / kelvin);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!region.contains(sheet.state.x[i])) continue;
-      // Where sources overlap, the sheet is drawn to the mean of their temperatures, weighted by rate.
-      const double add = rate * sheet.heat_capacity[i], sum = supply.rate[i] + add;
-      if (sum > 0.0) supply.value[i] = (supply.value[i] * supply.rate[i] + value * add) / sum;
-      supply.rate[i] = sum;
-    }
-  }
-  return supply;
 }
 
 std::vector<Vec3> wind_at(const WorldParams& p, const std::vector<Vec3>& x, double time) {

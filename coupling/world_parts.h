@@ -1,5 +1,5 @@
 #pragma once
-/// The pieces that World strings together: what scene sources give, what sheets lose, what outputs show.
+/// The pieces that World strings together: rules of scenes, what sheets lose, what outputs show.
 #include <cstdint>
 #include <map>
 #include <string>
@@ -18,24 +18,6 @@ double estimated_vertices(const ShellSection& shell, const WorldParams& params);
 
 /// See World::estimate_memory.
 std::vector<MemoryShare> world_memory(const WorldParams& params);
-
-/// Smoke and heat that the heat sources give to the gas during [time, time + dt], spread evenly over the cells
-/// of each region that are not inside an obstacle.
-fluid::SmokeSources gas_sources(const WorldParams& params, const fluid::Grid& grid, const fluid::Walls& walls,
-                                double time, double dt);
-
-/// One line for each source that is to give smoke or heat to the gas and cannot: outside the box as long as it is
-/// on, or all in obstacles (told where nothing moves).
-std::vector<std::string> sources_without_gas(const WorldParams& params, const std::vector<Obstacle>& obstacles,
-                                             const fluid::Grid& grid);
-
-/// Implicit supply and loss of one sheet, per vertex, in the units of DiffusionInput.
-struct SheetSupply {
-  std::vector<double> rate, value, loss;
-  bool any = false;  ///< a source reaches the sheet now
-};
-SheetSupply sheet_supply(const WorldParams& params, const Sheet& sheet, double ambient, double kelvin, double time,
-                         double dt);
 
 /// Velocity of the air around the given places without a gas grid (same count), empty in still air.
 std::vector<Vec3> wind_at(const WorldParams& params, const std::vector<Vec3>& x, double time);
