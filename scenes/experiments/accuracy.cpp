@@ -167,7 +167,8 @@ ExperimentReport accuracy(const Surroundings& s) {
   ExperimentReport report;
   Table table{.name = "work_precision",
               .columns = {"problem", "method", "varied", "value", "relative_error", "milliseconds", "order"},
-              .rows = {}};
+              .rows = {},
+              .on_page = true};
   measure_gaussian(s, report, table);
   measure_harmonics(s, report, table);
   measure_half_line(s, report, table);

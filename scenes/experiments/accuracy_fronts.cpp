@@ -136,7 +136,7 @@ void measure_wave(const Surroundings& s, ExperimentReport& report, Table& table)
   report.checks.push_back(reported("wave: fitted lag over 3/2 √(α/κ) ln(κ t)", {usual.lag}));
   std::vector<WorkPrecision> by_mesh, by_step, by_tolerance;
   for (const NamedOperator& op : operators_compared())
-    for (const MeshKind kind : {MeshKind::staggered, MeshKind::jittered}) {
+    for (const MeshKind kind : {MeshKind::staggered, MeshKind::jittered, MeshKind::graded}) {
       by_mesh.push_back(empty_curve(fmt::format("{}, {}", op.name, name_of(kind))));
       for (const double cells : {1.0, 2.0, 4.0, 8.0}) {
         const Wave w = run_wave(op, kind, cells, 0.05, 1e-12, end);

@@ -43,7 +43,9 @@ void print_report(const Experiment& experiment, const ExperimentReport& report, 
 }
 
 std::string csv(const Table& table) {
-  const auto line = [](const std::vector<std::string>& cells) {
+  const auto line = [](std::vector<std::string> cells) {
+    for (std::string& cell : cells)
+      if (cell.find(',') != std::string::npos) cell = "\"" + cell + "\"";
     return fmt::format("{}\n", fmt::join(cells, ","));
   };
   std::string text = line(table.columns);
@@ -54,8 +56,8 @@ std::string csv(const Table& table) {
 Table checks_table(const ExperimentReport& report) {
   Table table{.name = "checks", .columns = {"number", "mean", "deviation", "threshold", "verdict"}, .rows = {}};
   for (const Check& check : report.checks)
-    table.rows.push_back({"\"" + check.what + "\"", fmt::format("{:.9g}", check.value.mean),
-                          fmt::format("{:.3g}", check.value.deviation), "\"" + check.threshold + "\"",
+    table.rows.push_back({check.what, fmt::format("{:.9g}", check.value.mean),
+                          fmt::format("{:.3g}", check.value.deviation), check.threshold,
                           verdict_name(check.verdict)});
   return table;
 }

@@ -33,6 +33,7 @@ struct Table {
   std::string name;  ///< of the file, without ending
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
+  bool on_page = false;  ///< the results page shows it too
   void add(const std::vector<std::string>& labels, const std::vector<double>& values);
 };
 

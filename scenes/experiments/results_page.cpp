@@ -1,6 +1,10 @@
 #include "scenes/experiments/results_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
 
 #include "scenes/atomic_file.h"
 
@@ -22,6 +26,25 @@ const char* mark(Verdict verdict) {
   return "";
 }
 
+/// A number as a page shows it; other text as it is.
+std::string shortened(const std::string& cell) {
+  char* end = nullptr;
+  const double value = std::strtod(cell.c_str(), &end);
+  return cell.empty() || *end != '\0' ? cell : fmt::format("{:.3g}", value);
+}
+
+/// A table behind a line to click on.
+std::string folded(const Table& table) {
+  const auto line = [](std::vector<std::string> cells) {
+    for (std::string& cell : cells) cell = shortened(cell);
+    return fmt::format("| {} |\n", fmt::join(cells, " | "));
+  };
+  std::string text = fmt::format("<details><summary>{} rows of {}</summary>\n\n", table.rows.size(), table.name);
+  text += line(table.columns) + line(std::vector<std::string>(table.columns.size(), "---"));
+  for (const std::vector<std::string>& row : table.rows) text += line(row);
+  return text + "\n</details>\n\n";
+}
+
 std::string section(const FinishedExperiment& f, const std::string& folder) {
   std::string text = fmt::format("## {}: {}\n\nTo be seen: {}\n\n", f.experiment->name, f.experiment->figure,
                                  f.experiment->to_be_seen);
@@ -33,6 +56,8 @@ std::string section(const FinishedExperiment& f, const std::string& folder) {
     text += fmt::format("| {} | {} | {} | {} |\n", check.what, format_value(check.value), check.threshold,
                         mark(check.verdict));
   text += "\n";
+  for (const Table& table : f.report.tables)
+    if (table.on_page) text += folded(table);
   if (!f.report.analysis.empty()) text += f.report.analysis + "\n\n";
   return text;
 }

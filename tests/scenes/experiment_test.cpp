@@ -9,6 +9,7 @@
 #include "core/require.h"
 #include "scenes/experiments/comparison.h"
 #include "scenes/experiments/front_numbers.h"
+#include "scenes/experiments/results_page.h"
 #include "solid/primitives.h"
 #include "tests/scenes/program.h"
 
@@ -34,11 +35,26 @@ TEST(Experiments, WriteTablesPicturesAndThePage) {
   run_experiments(options);
   EXPECT_NE(test::slurp(folder.path() / "out/fig07/checks.csv").find("pass"), std::string::npos);
   EXPECT_NE(test::slurp(folder.path() / "out/fig07/table1.csv").find("0.535"), std::string::npos);
+  EXPECT_NE(test::slurp(folder.path() / "out/fig07/checks.csv").find("number,mean,deviation,threshold,verdict\n"),
+            std::string::npos);
   EXPECT_EQ(test::slurp(folder.path() / "out/fig04/strain.png").substr(1, 3), "PNG");
   EXPECT_EQ(test::slurp(folder.path() / "results/fig04-strain.png").substr(1, 3), "PNG");
   const std::string page = test::slurp(folder.path() / "results.md");
   EXPECT_NE(page.find("## fig07"), std::string::npos);
   EXPECT_NE(page.find("waits for tearing"), std::string::npos);
+}
+
+TEST(Experiments, ShowTablesOnThePageWithNumbersToReadNotToCompute) {
+  const test::TemporaryFolder folder;
+  Table table{.name = "work", .columns = {"method", "ms"}, .rows = {}, .on_page = true};
+  table.add({"cotan, graded"}, {1.23456789});
+  ExperimentReport report;
+  report.tables = {table, {.name = "hidden", .columns = {"x"}, .rows = {}}};
+  write_results_page(folder.path() / "page.md", {{&experiments().front(), report}}, false);
+  const std::string page = test::slurp(folder.path() / "page.md");
+  EXPECT_NE(page.find("1 rows of work"), std::string::npos);
+  EXPECT_NE(page.find("| method | ms |\n| --- | --- |\n| cotan, graded | 1.23 |\n"), std::string::npos);
+  EXPECT_EQ(page.find("hidden"), std::string::npos);
 }
 
 TEST(Experiments, RefuseAnUnknownNameWithTheNearestOne) {
