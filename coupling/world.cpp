@@ -24,6 +24,7 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
 
   for (std::size_t n = 0; n < params.shells.size(); ++n)
     sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params, warnings));
+  for (std::string& line : crossing_sheets(sheets)) warnings.push_back(std::move(line));
   obstacles = build_obstacles(params, warnings);
   require_outside(sheets, obstacles);
   if (params.smoke) {

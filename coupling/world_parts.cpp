@@ -7,7 +7,7 @@
 
 #include "core/noise.h"
 #include "core/require.h"
-#include "coupling/rasterize.h"
+#include "solid/crossings.h"
 
 namespace wick::coupling {
 
@@ -131,6 +131,31 @@ std::vector<Vec3> wind_at(const WorldParams& p, const std::vector<Vec3>& x, doub
     air[i] += wind.gust * speed * gust;
   }
   return air;
+}
+
+std::vector<std::string> crossing_sheets(const std::vector<Sheet>& sheets) {
+  std::vector<solid::PosedSheet> posed;
+  for (const Sheet& sheet : sheets) posed.push_back({&sheet.mesh, &sheet.state.x});
+  struct Place {
+    solid::Crossing first{};
+    std::size_t count = 0;
+  };
+  std::map<std::pair<std::int32_t, std::int32_t>, Place> places;
+  for (const solid::Crossing& c : solid::find_crossings(posed)) {
+    Place& place = places[std::minmax(c.edge_sheet, c.triangle_sheet)];
+    if (place.count++ == 0) place.first = c;
+  }
+  std::vector<std::string> lines;
+  for (const auto& [pair, place] : places) {
+    const Int2& edge = sheets[place.first.edge_sheet].mesh.edges[place.first.edge];
+    const std::string other = pair.first == pair.second ? "itself" : sheets[pair.first].pointer;
+    lines.push_back(sheets[pair.second].pointer + ": passes through " + other + " at the start (" +
+                    std::to_string(place.count) + " times; the edge of the vertices " + std::to_string(edge[0]) +
+                    " and " + std::to_string(edge[1]) + " of " + sheets[place.first.edge_sheet].pointer +
+                    " meets the triangle " + std::to_string(place.first.triangle) + " of " +
+                    sheets[place.first.triangle_sheet].pointer + ")");
+  }
+  return lines;
 }
 
 double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid) {

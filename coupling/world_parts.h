@@ -22,6 +22,10 @@ std::vector<MemoryShare> world_memory(const WorldParams& params);
 /// Velocity of the air around the given places without a gas grid (same count), empty in still air.
 std::vector<Vec3> wind_at(const WorldParams& params, const std::vector<Vec3>& x, double time);
 
+/// One line for each sheet that passes through itself, and for each pair that pass through each other, with how
+/// often and where first.
+std::vector<std::string> crossing_sheets(const std::vector<Sheet>& sheets);
+
 /// Largest speed of the vertices that are in the grid's box, or would be within a cell of it [m/s].
 double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid);
 

@@ -288,5 +288,18 @@ TEST(World, RefusesWhatDoesNotFitTogether) {
   EXPECT_EQ(pointer_of(params), "/shells/0/mesh/file");
 }
 
+TEST(World, TellsOfSheetsThatPassThroughEachOtherAtTheStart) {
+  WorldParams params;
+  params.shells = {test::flat_sheet(5, 0.5, 0.3), test::flat_sheet(5, 0.5, 0.4), test::bag(2, 0.2)};
+  params.shells[0].name = "low";
+  params.shells[1].name = "high";
+  params.shells[0].mesh.position.z() = 0.35;
+  EXPECT_EQ(World(params).warnings().size(), 2U);
+  params.shells[0].mesh.position.z() = 0.29;  // below the bag
+  const std::vector<std::string> found = World(params).warnings();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(found[0].starts_with("/shells/2: passes through /shells/1 at the start (")) << found[0];
+}
+
 }  // namespace
 }  // namespace wick::coupling
