@@ -264,7 +264,8 @@ class Run {
     output.metrics = metrics_.file();
     const int frame = world_->frame(), every = scene_.output.checkpoint.every;
     const bool last = frame >= scene_.frames || stop_requested();
-    if (first || last || (every > 0 && frame % every == 0) || take_checkpoint_request()) add_checkpoint(output);
+    const bool saved = first || last || (every > 0 && frame % every == 0) || take_checkpoint_request();
+    if (saved) add_checkpoint(output);
     outputs_.submit(std::move(output));
     computed_ = true;
     output_seconds_ = seconds_since(start);
@@ -272,6 +273,7 @@ class Run {
     record_.frames = frame;
     record_.state_hash = hex(hash);
     record_.unconverged_solves += report.unconverged_solves;
+    if (saved) keeper_.write(record_, "running");
   }
 
   void add_checkpoint(FrameOutput& output) {

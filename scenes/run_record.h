@@ -1,6 +1,6 @@
 #pragma once
-/// run.json: what became of a run. It says "running" until the run has ended of itself; found so without a
-/// process, the run was killed.
+/// run.json: what became of a run. It says "running", and how far it is at every checkpoint, until the run has
+/// ended of itself; found so without a process, the run was killed.
 #include <chrono>
 #include <filesystem>
 #include <optional>

@@ -248,6 +248,8 @@ TEST_F(Interruption, KeepsASecondRunOut) {
   first.signal(SIGKILL);
   first.wait();
   EXPECT_TRUE(fs::exists(folder_ / "a/run.lock")) << "the killed run left its lock behind";
+  EXPECT_EQ(record("a")["outcome"], "running");
+  EXPECT_GE(record("a")["frames"], 1) << "how far it was at its last checkpoint";
   EXPECT_EQ(run("a", 3), 0) << "which holds nobody up";
 }
 
