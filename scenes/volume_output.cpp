@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "scenes/git_revision.h"
+#include "scenes/sha256.h"
 #include "scenes/version.h"
 
 namespace wick::scenes {
@@ -168,6 +169,20 @@ openvdb::MetaMap file_metadata(const VolumeFrame& frame, const VolumeParams& par
   return meta;
 }
 
+/// OpenVDB draws the unique id of a file at random; drawn from the file's own bytes, equal volumes are equal files.
+void derive_unique_id(std::string& file) {
+  constexpr std::size_t kPlace = 21, kLength = 36;  // behind magic number, versions and the flag of grid offsets
+  constexpr std::size_t kDashes[] = {8, 13, 18, 23};
+  const auto is_id = [&](std::size_t dash) { return file.size() > kPlace + kLength && file[kPlace + dash] == '-'; };
+  if (!std::all_of(std::begin(kDashes), std::end(kDashes), is_id)) return;  // some other version's header
+  std::string id(kLength, '0');
+  file.replace(kPlace, kLength, id);
+  const std::string digits = sha256(file);
+  std::copy_n(digits.begin(), kLength, id.begin());
+  for (const std::size_t dash : kDashes) id[dash] = '-';
+  file.replace(kPlace, kLength, id);
+}
+
 }  // namespace
 
 std::string smoke_vdb(const VolumeFrame& frame, const VolumeParams& params, UpAxis up_axis) {
@@ -183,7 +198,9 @@ std::string smoke_vdb(const VolumeFrame& frame, const VolumeParams& params, UpAx
   stream.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
   stream.write(out.grids, file_metadata(frame, params, up_axis));
   if (!bytes) throw std::runtime_error("OpenVDB could not build a volume in memory");
-  return std::move(bytes).str();
+  std::string file = std::move(bytes).str();
+  derive_unique_id(file);
+  return file;
 }
 
 }  // namespace wick::scenes

@@ -114,6 +114,16 @@ TEST(VolumeOutput, FollowsTheContract) {
   EXPECT_EQ(file.meta->metaValue<double>("dx"), 0.1);
 }
 
+TEST(VolumeOutput, HasAnIdThatOnlyItsContentDecides) {
+  const auto id = [](const std::string& bytes) { return bytes.substr(21, 36); };
+  VolumeFrame frame = ball(16, 16, 16);
+  const std::string one = smoke_vdb(frame, {}, UpAxis::z), again = smoke_vdb(frame, {}, UpAxis::z);
+  EXPECT_TRUE(one == again);
+  EXPECT_EQ(read(one).grids->size(), 4U);
+  frame.state.density[0] += 0.5F;
+  EXPECT_NE(id(smoke_vdb(frame, {}, UpAxis::z)), id(one));
+}
+
 TEST(VolumeOutput, TurnsUpTogether) {
   VolumeParams params;
   params.precision = Precision::single;
