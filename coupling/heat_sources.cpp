@@ -113,6 +113,40 @@ Vec3 top_of(const fluid::Grid& grid) {
   return grid.origin + grid.h * Vec3(grid.nx, grid.ny, grid.nz);
 }
 
+bool meets_box(const SourceRegion& region, const fluid::Grid& grid) {
+  return (region.lower.array() <= top_of(grid).array()).all() &&
+         (region.upper.array() >= grid.origin.array()).all();
+}
+
+}  // namespace
+
+namespace {
+
+/// Lists each cell once, so that many sources, or many stays of one, take no more memory than the grid.
+void merge_cells(fluid::SmokeSources& sources, std::size_t cells) {
+  if (sources.cell.size() <= cells) return;
+  std::vector<double> smoke(cells, 0.0), heat(cells, 0.0), flame(cells, -1.0);
+  for (std::size_t s = 0; s < sources.cell.size(); ++s) {
+    const auto c = static_cast<std::size_t>(sources.cell[s]);
+    smoke[c] += sources.smoke[s];
+    heat[c] += sources.heat[s];
+    flame[c] = std::max(flame[c], sources.flame[s]);
+  }
+  std::size_t kept = 0;
+  for (std::size_t c = 0; c < cells; ++c) {
+    if (flame[c] < 0.0) continue;
+    sources.cell[kept] = static_cast<std::int64_t>(c);
+    sources.smoke[kept] = smoke[c];
+    sources.heat[kept] = heat[c];
+    sources.flame[kept] = flame[c];
+    ++kept;
+  }
+  sources.cell.resize(kept);
+  sources.smoke.resize(kept);
+  sources.heat.resize(kept);
+  sources.flame.resize(kept);
+}
+
 }  // namespace
 
 fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, const fluid::Walls& walls,
@@ -132,6 +166,7 @@ fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, c
       sources.smoke.resize(sources.cell.size(), source.gas_smoke * stay.seconds / cells);
       sources.heat.resize(sources.cell.size(), source.gas_power * stay.seconds / cells);
       sources.flame.resize(sources.cell.size(), source.gas_power > 0.0 ? 1.0 : 0.0);
+      merge_cells(sources, grid.cells());
     }
   }
   return sources;
@@ -147,25 +182,47 @@ std::vector<std::string> sources_without_gas(const WorldParams& p, const std::ve
     if (source.gas_power == 0.0 && source.gas_smoke == 0.0) continue;
     const std::string pointer =
         "/heat_sources/" + std::to_string(n) + (source.gas_power != 0.0 ? "/gas_power" : "/gas_smoke");
-    // The box, widened by the source's half size, meets the way of the source's centre or not.
-    const SourceRegion begin = region_at(source, source.start), end = region_at(source, source.stop);
-    const Obstacle box{.name = "", .shape = BoxShape{grid.origin - begin.half(), top_of(grid) + begin.half()}};
-    if (!segment_meets(box, begin.center, end.center)) {
-      found.push_back(pointer + ": has no effect (the source is outside the box of the gas all the time)");
-      continue;
+    const std::vector<Stay> stays =
+        stays_of(source, source.start, source.stop - source.start, grid.origin, top_of(grid), grid.h);
+    bool inside = false, gas = false;
+    for (std::size_t s = 0; s < stays.size() && !gas; ++s) {
+      inside = inside || meets_box(stays[s].region, grid);
+      for_cells_in(stays[s].region, grid, [&](int i, int j, int k) {
+        gas = gas || !still || std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
+                return sample_distance(obstacle, probe(grid, {i, j, k})).distance >= 0.0;
+              });
+      });
     }
-    if (!still || !source.velocity.isZero()) continue;
-    bool gas = false;
-    for_cells_in(begin, grid, [&](int i, int j, int k) {
-      const Vec3 center = probe(grid, {i, j, k});
-      gas = gas || std::all_of(obstacles.begin(), obstacles.end(), [&](const Obstacle& obstacle) {
-              return sample_distance(obstacle, center).distance >= 0.0;
-            });
-    });
-    if (!gas) found.push_back(pointer + ": has no effect (no cell of gas lies in the source)");
+    if (!inside)
+      found.push_back(pointer + ": has no effect (the source is outside the box of the gas all the time)");
+    else if (!gas)
+      found.push_back(pointer + ": has no effect (no cell of gas lies in the source)");
   }
   return found;
 }
+
+namespace {
+
+/// Seconds of [begin, end] for which a source that is on and moves holds the point p, which rests.
+double seconds_inside(const HeatSourceParams& source, Interval on, const Vec3& p) {
+  if (!(on.end > on.begin)) return 0.0;
+  if (source.velocity.isZero()) return region_at(source, 0.0).contains(p) ? on.end - on.begin : 0.0;
+  if (source.kind == SourceKind::ball) {
+    // |p - c - t V|² = R²
+    const Vec3 from = p - source.center;
+    const double speed2 = source.velocity.squaredNorm(), middle = from.dot(source.velocity) / speed2;
+    const double miss2 = (from - middle * source.velocity).squaredNorm(), radius2 = source.radius * source.radius;
+    if (!(miss2 <= radius2)) return 0.0;
+    const double half = std::sqrt((radius2 - miss2) / speed2);
+    return std::max(0.0, std::min(on.end, middle + half) - std::max(on.begin, middle - half));
+  }
+  for (int a = 0; a < 3; ++a)
+    if (source.velocity[a] == 0.0 && (p[a] < source.lower[a] || p[a] > source.upper[a])) return 0.0;
+  on = meeting(source, on, p, p);
+  return std::max(0.0, on.end - on.begin);
+}
+
+}  // namespace
 
 SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambient, double kelvin, double time,
                          double dt) {
@@ -173,31 +230,22 @@ SheetSupply sheet_supply(const WorldParams& p, const Sheet& sheet, double ambien
   const std::vector<Vec3>& x = sheet.state.x;
   supply.loss.resize(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) supply.loss[i] = p.heat.loss * sheet.heat_capacity[i];
-  if (x.empty()) return supply;
-  Vec3 low = x[0], high = x[0];
-  for (const Vec3& point : x) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  double area = 0.0;
-  for (const double a : sheet.mesh.rest_area) area += a;
-  const double spacing = std::sqrt(area / static_cast<double>(x.size()));  // of the vertices
   for (const HeatSourceParams& source : p.heat_sources) {
-    if (source.rate == 0.0) continue;
+    const Interval on{std::max(time, source.start), std::min(time + dt, source.stop)};
+    if (source.rate == 0.0 || !(on.end > on.begin)) continue;
+    if (!supply.any) {
+      supply.rate.assign(x.size(), 0.0);
+      supply.value.assign(x.size(), 0.0);
+      supply.any = true;
+    }
     const double value = std::max(0.0, (source.temperature - ambient) / kelvin);
-    for (const Stay& stay : stays_of(source, time, dt, low, high, spacing)) {
-      if (!supply.any) {
-        supply.rate.assign(x.size(), 0.0);
-        supply.value.assign(x.size(), 0.0);
-        supply.any = true;
-      }
-      for (std::size_t i = 0; i < x.size(); ++i) {
-        if (!stay.region.contains(x[i])) continue;
-        // Where sources overlap, the sheet is drawn to the mean of their temperatures, weighted by rate.
-        const double add = source.rate * (stay.seconds / dt) * sheet.heat_capacity[i], sum = supply.rate[i] + add;
-        if (sum > 0.0) supply.value[i] = (supply.value[i] * supply.rate[i] + value * add) / sum;
-        supply.rate[i] = sum;
-      }
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const double share = std::min(1.0, seconds_inside(source, on, x[i]) / dt);
+      if (share == 0.0) continue;
+      // Where sources overlap, the sheet is drawn to the mean of their temperatures, weighted by rate.
+      const double add = source.rate * share * sheet.heat_capacity[i], sum = supply.rate[i] + add;
+      if (sum > 0.0) supply.value[i] = (supply.value[i] * supply.rate[i] + value * add) / sum;
+      supply.rate[i] = sum;
     }
   }
   return supply;

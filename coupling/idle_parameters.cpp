@@ -40,6 +40,11 @@ std::vector<std::string> idle_parameters(const WorldParams& p) {
     finder.note(!p.smoke && p.heat_sources[n].gas_power > 0.0, pointer + "/gas_power", "there is no smoke section");
     finder.note(!p.smoke && p.heat_sources[n].gas_smoke > 0.0, pointer + "/gas_smoke", "there is no smoke section");
   }
+  const double ambient = p.smoke ? p.smoke->ambient_temperature : p.heat.ambient_temperature;
+  for (std::size_t n = 0; n < p.heat_sources.size(); ++n)
+    finder.note(p.diffusion && p.heat_sources[n].rate > 0.0 && p.heat_sources[n].temperature <= ambient,
+                "/heat_sources/" + std::to_string(n) + "/temperature",
+                "it is not above the ambient temperature, and sheets are not cooled below that");
   finder.note(p.smoke && p.heat.ambient_temperature != SheetHeatParams{}.ambient_temperature,
               "/heat/ambient_temperature", "/smoke/ambient_temperature is that of the scene");
   const auto computed = [](const ShellSection& s) { return s.moves && s.motion.kind == MotionKind::none; };

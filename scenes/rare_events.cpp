@@ -32,6 +32,16 @@ void add_stretched_shells(const Metrics& metrics, std::vector<std::string>& foun
   }
 }
 
+void add_cold_shells(const Metrics& metrics, std::vector<std::string>& found) {
+  const std::string head = "/shell/", tail = "/theta_max";
+  for (const auto& [path, column] : metrics.columns()) {
+    if (!path.starts_with(head) || !path.ends_with(tail) || column.size() < 2) continue;
+    if (std::any_of(column.begin(), column.end(), [](double theta) { return theta > 0.0; })) continue;
+    found.push_back(fmt::format("shell \"{}\" was heated in no frame: none of /heat_sources held a vertex of it",
+                                path.substr(head.size(), path.size() - head.size() - tail.size())));
+  }
+}
+
 void add_walled_in(const std::map<std::string, Ledger>& ledgers, std::vector<std::string>& found) {
   for (const auto& [quantity, ledger] : ledgers) {
     const auto flow = ledger.flows().find("walled_in");
@@ -70,6 +80,7 @@ std::vector<std::string> rare_events(const Metrics& metrics, const std::map<std:
         "{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten the frame",
         steps));
   add_stretched_shells(metrics, found);
+  add_cold_shells(metrics, found);
   add_walled_in(ledgers, found);
   return found;
 }

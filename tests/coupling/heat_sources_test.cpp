@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/require.h"
 #include "coupling/world_parts.h"
 #include "tests/support/worlds.h"
@@ -34,27 +36,44 @@ TEST(HeatSource, BoxHeatsTheVerticesInsideIt) {
   }
 }
 
-// A vertex that a box of length L passes at speed V is in it for L/V, in however many steps the box passes.
+// A vertex that a source of length L along its way passes at speed V is in it for L/V, in however many steps it
+// passes, and however thin it is.
 TEST(HeatSource, ThatMovesHeatsEachVertexForAsLongAsItPasses) {
   WorldParams world = world_with_box();
   std::vector<std::string> warnings;
   const Sheet sheet = build_sheet(world.shells[0], "/shells/0", world, warnings);
   HeatSourceParams& source = world.heat_sources[0];
   source.stop = 1e9;
-  for (const double speed : {0.5, 50.0, 1e6})
-    for (const int steps : {1, 7, 100}) {
-      source.velocity = Vec3(0.0, speed, 0.0);
-      source.lower.y() = -0.301;
-      source.upper.y() = -0.2;
-      const double passing = 2.0 / speed, dt = passing / steps;  // until it has left the sheet of 1 m
-      std::vector<double> seconds(sheet.mesh.vertex_count(), 0.0);
-      for (int n = 0; n < steps; ++n) {
-        const SheetSupply supply = sheet_supply(world, sheet, 293.15, 806.85, n * dt, dt);
-        for (std::size_t i = 0; supply.any && i < seconds.size(); ++i)
-          seconds[i] += supply.rate[i] / (source.rate * sheet.heat_capacity[i]) * dt;
-      }
-      for (const double s : seconds) EXPECT_NEAR(s * speed, 0.101, 0.026) << speed << " in " << steps;
+  const auto seconds = [&](double passing, int steps) {
+    std::vector<double> sum(sheet.mesh.vertex_count(), 0.0);
+    const double dt = passing / steps;
+    for (int n = 0; n < steps; ++n) {
+      const SheetSupply supply = sheet_supply(world, sheet, 293.15, 806.85, n * dt, dt);
+      for (std::size_t i = 0; supply.any && i < sum.size(); ++i)
+        sum[i] += supply.rate[i] / (source.rate * sheet.heat_capacity[i]) * dt;
     }
+    return sum;
+  };
+  for (const double length : {1e-6, 0.002, 0.101})
+    for (const double speed : {0.5, 50.0, 1e6})
+      for (const int steps : {1, 7, 100}) {
+        source.kind = SourceKind::box;
+        source.velocity = Vec3(0.0, speed, 0.0);
+        source.lower.y() = -0.201 - length;
+        source.upper.y() = -0.201;
+        const double passing = 2.0 / speed;  // until it has left the sheet of 1 m
+        for (const double s : seconds(passing, steps)) EXPECT_NEAR(s * speed, length, 1e-9) << speed;
+
+        source.kind = SourceKind::ball;
+        source.radius = 0.5 * length;
+        source.center = Vec3(sheet.state.x[0].x(), -0.201, 0.5);
+        const std::vector<double> along = seconds(passing, steps);
+        for (std::size_t i = 0; i < along.size(); ++i) {
+          const double aside = sheet.state.x[i].x() - source.center.x();
+          const double chord = std::sqrt(std::max(0.0, length * length - 4.0 * aside * aside));
+          EXPECT_NEAR(along[i] * speed, chord, 1e-9) << speed << " at " << sheet.state.x[i].transpose();
+        }
+      }
 }
 
 TEST(HeatSource, BoxSpreadsItsPowerOverItsCells) {
@@ -105,6 +124,26 @@ TEST(HeatSource, ThatMovesGivesToTheGasAllAlongItsWay) {
     }
 }
 
+TEST(HeatSource, ManySourcesTakeNoMoreMemoryThanTheGrid) {
+  WorldParams world;
+  world.smoke = test::closed_box(12);
+  const fluid::Grid grid = fluid::smoke_grid(*world.smoke);
+  for (int n = 0; n < 40; ++n)
+    world.heat_sources.push_back({.kind = SourceKind::box,
+                                  .lower = Vec3(-1, -1, -1.0 - n),
+                                  .upper = Vec3(2, 2, -0.5 - n),
+                                  .velocity = Vec3(0, 0, n % 2 == 0 ? 0.0 : 1e4),
+                                  .gas_power = 50.0,
+                                  .stop = 1e9});
+  world.heat_sources[0].upper.z() = 2.0;
+  const fluid::SmokeSources sources = gas_sources(world, grid, fluid::Walls{}, 0.0, 1.0);
+  EXPECT_EQ(sources.cell.size(), grid.cells());
+  double heat = 0.0, expected = 50.0;
+  for (int n = 1; n < 40; n += 2) expected += 50.0 * 1.5 / 1e4;
+  for (const double joule : sources.heat) heat += joule;
+  EXPECT_NEAR(heat, expected, 0.01 * 20 * 50.0 * 1.5 / 1e4 * 10);
+}
+
 TEST(HeatSource, FlatBoxBetweenCentresFillsTheLayerOfItsMiddle) {
   WorldParams world = world_with_box();
   world.smoke = test::closed_box(10);
@@ -139,6 +178,12 @@ TEST(HeatSource, ThatReachesNoGasIsReported) {
   source.stop = 1.5;
   ASSERT_EQ(warnings().size(), 1U);
   EXPECT_EQ(warnings()[0], outside);
+
+  // Its rim passes along the side, and holds no centre of a cell.
+  source = {
+      .center = Vec3(-0.5, 1.05, 0.5), .radius = 0.06, .velocity = Vec3(1, 0, 0), .gas_power = 10.0, .stop = 9.0};
+  ASSERT_EQ(warnings().size(), 1U);
+  EXPECT_EQ(warnings()[0], "/heat_sources/0/gas_power: has no effect (no cell of gas lies in the source)");
 
   source = {.center = Vec3(0.5, 0.5, 0.5), .radius = 0.1, .gas_power = 10.0, .stop = 2.0};
   params.obstacles.push_back({.center = Vec3(0.5, 0.5, 0.5), .radius = 0.25});

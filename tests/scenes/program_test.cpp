@@ -199,6 +199,22 @@ TEST_F(Command, WarnsOfParametersWithoutEffect) {
       << late.err;
 }
 
+/// What went wrong on the way is said once, at the end, and kept.
+TEST_F(Command, SaysAtItsEndWhatARunMetRarely) {
+  const auto said = [&](const std::string& setting, const std::string& text) {
+    const Outcome outcome = run({"run", "small.json", "--restart", "--frames", "4", "--set", setting});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+    EXPECT_NE(record()["warnings"].dump().find(text), std::string::npos) << record()["warnings"];
+  };
+  const Outcome usual = run({"run", "small.json"});
+  EXPECT_EQ(usual.err.find("warning"), std::string::npos) << usual.err;
+  said("/smoke/pressure/max_iterations=1", "solves stopped at their iteration limit, above their tolerance");
+  said("/heat_sources=[{\"center\": [50, 0, 0], \"stop\": 9}]", "was heated in no frame");
+  said("/shells/0/pins=[{\"edge\": \"-x\"}, {\"edge\": \"+x\", \"velocity\": [2, 0, 0], \"stop_time\": 9}]",
+       "where it does not burn");
+}
+
 TEST_F(Command, AnswersWithoutRunning) {
   EXPECT_EQ(run({"check", "small.json", "--set", "/fps=0.001", "--set", "/coupling/max_substeps=30000"}).code, 0);
   EXPECT_EQ(run({"check", "small.json"}).code, 0);
