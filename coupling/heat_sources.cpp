@@ -118,10 +118,6 @@ bool meets_box(const SourceRegion& region, const fluid::Grid& grid) {
          (region.upper.array() >= grid.origin.array()).all();
 }
 
-}  // namespace
-
-namespace {
-
 /// Lists each cell once, so that many sources, or many stays of one, take no more memory than the grid.
 void merge_cells(fluid::SmokeSources& sources, std::size_t cells) {
   if (sources.cell.size() <= cells) return;
