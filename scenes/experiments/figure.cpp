@@ -89,15 +89,17 @@ struct Axis {
     return at;
   }
   [[nodiscard]] std::string label(double v) const {
-    return log ? fmt::format("1e{:g}", v) : fmt::format("{:.3g}", std::abs(v) < 1e-12 * (high - low) ? 0.0 : v);
+    return log ? fmt::format("1e{}", std::lround(v))
+               : fmt::format("{:.3g}", std::abs(v) < 1e-12 * (high - low) ? 0.0 : v);
   }
 };
 
 const std::vector<Rgb> series_colors = {{.80, .15, .10}, {.10, .35, .70}, {.15, .55, .25}, {.60, .30, .65},
-                                        {.85, .55, .05}, {.25, .25, .25}, {.05, .60, .65}, {.55, .40, .25}};
+                                        {.85, .55, .05}, {.25, .25, .25}, {.05, .60, .65}, {.55, .40, .25},
+                                        {.95, .55, .65}, {.55, .70, .10}};
 
 void draw_chart(Canvas2d& canvas, const Chart& chart, const Vec2& corner, double width, double height) {
-  constexpr double left = 58.0, right = 14.0, top = 26.0, bottom = 44.0;
+  constexpr double left = 58.0, right = 14.0, top = 26.0, bottom = 44.0, key_row = 13.0;
   const Rgb grey = {.85, .85, .85}, dark = {.3, .3, .3};
   Axis x{.log = chart.log_x}, y{.log = chart.log_y};
   for (const Series& s : chart.series) {
@@ -106,6 +108,10 @@ void draw_chart(Canvas2d& canvas, const Chart& chart, const Vec2& corner, double
   }
   x.settle();
   y.settle();
+  // Room above the curves for the names of many; at most half of the chart.
+  if (const double names = 12.0 + key_row * static_cast<double>(chart.series.size()), plot = height - top - bottom;
+      chart.series.size() > 2)
+    y.high += (y.high - y.low) * (names < 0.5 * plot ? names / (plot - names) : 1.0);
   const auto place = [&](double sx, double sy) {
     return Vec2(corner.x() + left + sx * (width - left - right),
                 corner.y() + height - bottom - sy * (height - top - bottom));
@@ -134,7 +140,7 @@ void draw_chart(Canvas2d& canvas, const Chart& chart, const Vec2& corner, double
     if (s.line) canvas.line(points, false, color, 1.6);
     if (!s.line || points.size() < 30)
       for (const Vec2& p : points) canvas.dot(p, color, 2.6);
-    const Vec2 key = place(0.0, 1.0) + Vec2(8.0, 12.0 + 13.0 * static_cast<double>(n));
+    const Vec2 key = place(0.0, 1.0) + Vec2(8.0, 12.0 + key_row * static_cast<double>(n));
     canvas.line({key, key + Vec2(14.0, 0.0)}, false, color, 2.0);
     canvas.text(key + Vec2(18.0, 3.5), s.label, 10.0);
   }
