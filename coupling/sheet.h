@@ -44,6 +44,7 @@ struct Sheet {
   std::vector<double> unswollen;      ///< rest_scale of the inputs without what pore pressure adds; empty: the same
   std::vector<double> theta;          ///< (T - T_amb)/(T_ref - T_amb), V; empty without diffusion
   std::vector<double> heat_capacity;  ///< [J per unit theta], V
+  std::vector<double> strain_added;   ///< C of the last diffusion, V; empty where it had none
   BurningState burning;               ///< empty without burning
   std::vector<Vec3> gas_force;        ///< of the partitioned scheme, relaxed [N], V; empty in the other
   std::vector<Vec3> seen_x;           ///< where the gas last saw the sheet, scratch of one step; empty: not yet

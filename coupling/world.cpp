@@ -24,7 +24,7 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
 
   for (std::size_t n = 0; n < params.shells.size(); ++n)
     sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params, warnings));
-  for (std::string& line : crossing_sheets(sheets)) warnings.push_back(std::move(line));
+  look_for_crossings();
   obstacles = build_obstacles(params, warnings);
   require_outside(sheets, obstacles);
   if (params.smoke) {
@@ -33,9 +33,12 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
     raster = std::make_unique<Raster>(fluid::smoke_grid(*params.smoke), params.smoke->sides);
   }
   see_sheets();
-  if (params.smoke)
+  if (params.smoke) {
     for (std::string& line : sources_without_gas(params, obstacles, raster->grid()))
       warnings.push_back(std::move(line));
+    if (params.diffusion)
+      for (std::string& line : sheets_outside(sheets, raster->grid())) warnings.push_back(std::move(line));
+  }
   begin_ledgers();
 }
 
@@ -86,7 +89,7 @@ void World::Impl::substep(double dt, FrameReport& report) {
   }
   {
     const StageTimer timer(report.seconds, "shell");
-    move_sheets(dt);
+    move_sheets(dt, report);
   }
   // Seeing the moved sheet comes last, so that the gas that is written agrees with the meshes that are written.
   {
@@ -233,6 +236,8 @@ void World::Impl::diffuse(double dt, FrameReport& report) {
     heat.book_flow("excess", -step.excess);
     note_solve(report, "diffusion", step.solve);
     sheet.report.diffusion = step;
+    // Kept for the frame's mesh: triangles that fall away next end the solver.
+    sheet.strain_added = sheet.diffusion->strain_vertex();
   }
 }
 
@@ -278,20 +283,26 @@ void World::Impl::shed_burnt_triangles() {
     if (shed.triangles == 0) continue;
     ledgers["solid"].book_flow("ash", -shed.mass);
     rebuild_topology(sheet, params);
+    contact.reset();
     ledgers["heat"].book_flow("ash", -shed.heat);
   }
 }
 
 /// Rest shape, weight and stiffness follow the burning; then XPBD small steps under gravity and the gas's push.
-void World::Impl::move_sheets(double dt) {
-  for (std::size_t s = 0; s < sheets.size(); ++s) {
-    Sheet& sheet = sheets[s];
-    if (sheet.driven()) follow_motion(sheet, time + dt, dt);
-    refresh_inputs(sheet, params);
-    if (!sheet.shell) continue;
-    const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);
-    sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh, sheet.inputs, pins_at(sheet, time + dt),
-                                           obstacles, push[s], air, params.gravity, dt);
+void World::Impl::move_sheets(double dt, FrameReport& report) {
+  if (params.contact) {
+    move_sheets_together(dt, report);
+  } else {
+    for (std::size_t s = 0; s < sheets.size(); ++s) {
+      Sheet& sheet = sheets[s];
+      if (sheet.driven()) follow_motion(sheet, time + dt, dt);
+      refresh_inputs(sheet, params);
+      if (!sheet.shell) continue;
+      const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);
+      const solid::Pins pins = pins_at(sheet, time + dt);
+      sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh,
+                                             {sheet.inputs, pins, obstacles, push[s], air, params.gravity}, dt);
+    }
   }
   for (Obstacle& obstacle : obstacles) obstacle.displacement += dt * obstacle.velocity;
 }

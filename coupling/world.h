@@ -26,6 +26,7 @@ struct FrameReport {
   std::map<std::string, SolveReport> solves;  ///< worst residual and summed iterations of the frame, by solver
   int unconverged_solves = 0;
   int squeezed_steps = 0;    ///< in which closed walls pushed more gas into the box than out of it
+  int forced_contacts = 0;   ///< pairs that pins or driven sheets forced through each other
   int lengthened_steps = 0;  ///< steps that /coupling/max_substeps made longer than asked
   bool complete = true;      ///< false: step() was stopped between two substeps
 };

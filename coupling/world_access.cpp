@@ -35,6 +35,7 @@ std::vector<std::string> World::models() const {
   const WorldParams& p = impl_->params;
   const auto moving = [](const Sheet& sheet) { return sheet.shell != nullptr; };
   if (std::any_of(impl_->sheets.begin(), impl_->sheets.end(), moving)) names.emplace_back("shell");
+  if (p.contact) names.emplace_back("contact");
   if (p.diffusion) names.emplace_back("diffusion");
   if (p.smoke) names.emplace_back("smoke");
   if (p.burning) names.emplace_back("burning");
@@ -86,7 +87,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   if (frame_end) {
     end = {*frame_end, unfinished.steps_foreseen};
     counts = {unfinished.substeps, unfinished.unconverged_solves, unfinished.lengthened_steps,
-              unfinished.squeezed_steps};
+              unfinished.squeezed_steps, unfinished.forced_contacts};
   }
   for (const auto& [stage, spent] : unfinished.seconds) {
     stages.push_back(stage);
@@ -104,7 +105,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   visitor.array("solvers", solvers);
   visitor.array("solve_values", solve_values);
   const bool any = !end.empty();
-  const bool fits = (!any || end.size() == 2) && counts.size() == (any ? 4 : 0) &&
+  const bool fits = (!any || end.size() == 2) && counts.size() == (any ? 5 : 0) &&
                     seconds.size() == stages.size() && solve_values.size() == 6 * solvers.size();
   if (!fits) throw std::runtime_error("the unfinished frame of a checkpoint does not fit together");
   frame_end.reset();
@@ -116,6 +117,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
   unfinished.unconverged_solves = counts[1];
   unfinished.lengthened_steps = counts[2];
   unfinished.squeezed_steps = counts[3];
+  unfinished.forced_contacts = counts[4];
   for (std::size_t i = 0; i < stages.size(); ++i) unfinished.seconds[stages[i]] = seconds[i];
   for (std::size_t i = 0; i < solvers.size(); ++i) {
     const double* v = &solve_values[6 * i];
@@ -125,6 +127,7 @@ void World::Impl::visit_unfinished(StateVisitor& visitor) {
 
 void World::restored() {
   impl_->seen_obstacles.clear();
+  impl_->contact.reset();
   for (Sheet& sheet : impl_->sheets) {
     rebuild_topology(sheet, impl_->params);
     sheet.seen_x.clear();  // the gas of the state already agrees with the sheet's place

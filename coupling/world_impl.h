@@ -25,12 +25,14 @@ struct World::Impl {
   void diffuse(double dt, FrameReport& report);
   void react(double dt);
   void shed_burnt_triangles();
-  void move_sheets(double dt);
+  void move_sheets(double dt, FrameReport& report);
+  void move_sheets_together(double dt, FrameReport& report);
   void see_sheets();
   void hand_over();
   void audit();
   void visit_unfinished(StateVisitor& visitor);
 
+  void look_for_crossings();
   double longest_step(double left) const;
   std::vector<SheetSurface> surfaces() const;
   void begin_ledgers();
@@ -52,6 +54,7 @@ struct World::Impl {
   // Kept alive between steps, rebuilt from params and state.
   std::unique_ptr<fluid::SmokeSolver> gas_solver;
   std::unique_ptr<Raster> raster;
+  std::unique_ptr<solid::SheetContact> contact;  ///< null without such a section, or until sheets move next
 
   // Handed from stage to stage within a substep.
   std::vector<Vec3> seen_obstacles;  ///< displacements at which the gas last saw them; empty: not yet

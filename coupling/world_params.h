@@ -11,6 +11,7 @@
 #include "diffusion/strain_diffusion.h"
 #include "fluid/smoke.h"
 #include "solid/primitives.h"
+#include "solid/sheet_contact.h"
 #include "solid/shell.h"
 
 namespace wick::coupling {
@@ -100,6 +101,13 @@ struct WindParams {
 };
 void describe(ParameterVisitor& visitor, WindParams& params);
 
+/// Contact of sheets with themselves and each other.
+struct ContactParams {
+  solid::SheetContactParams sheets;
+  bool allow_crossings = false;  ///< start with sheets that pass through each other; they stay so
+};
+void describe(ParameterVisitor& visitor, ContactParams& params);
+
 /// How the gas and the sheets push each other.
 enum class CouplingScheme { simultaneous, partitioned };
 
@@ -118,6 +126,7 @@ struct WorldParams {
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s2]
   std::vector<ShellSection> shells;
   std::vector<ObstacleParams> obstacles;
+  std::optional<ContactParams> contact;
   std::optional<fluid::SmokeParams> smoke;
   std::optional<diffusion::DiffusionParams> diffusion;
   SheetHeatParams heat;  ///< of sheets that carry heat, i.e. with a diffusion section

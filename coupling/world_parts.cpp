@@ -133,6 +133,21 @@ std::vector<Vec3> wind_at(const WorldParams& p, const std::vector<Vec3>& x, doub
   return air;
 }
 
+std::vector<std::string> sheets_outside(const std::vector<Sheet>& sheets, const fluid::Grid& grid) {
+  const Vec3 low = grid.origin, high = grid.origin + grid.h * Vec3(grid.nx, grid.ny, grid.nz);
+  std::vector<std::string> lines;
+  for (const Sheet& sheet : sheets) {
+    const auto out = [&](const Vec3& x) {
+      return (x.array() < low.array()).any() || (x.array() > high.array()).any();
+    };
+    const auto count = std::count_if(sheet.state.x.begin(), sheet.state.x.end(), out);
+    if (count > 0)
+      lines.push_back(sheet.pointer + ": " + std::to_string(count) + " of " + std::to_string(sheet.state.x.size()) +
+                      " vertices are outside the box of the gas at the start; what they give off is lost");
+  }
+  return lines;
+}
+
 std::vector<std::string> crossing_sheets(const std::vector<Sheet>& sheets) {
   std::vector<solid::PosedSheet> posed;
   for (const Sheet& sheet : sheets) posed.push_back({&sheet.mesh, &sheet.state.x});
@@ -230,9 +245,8 @@ void add_shown_values(ShellView& view, const Sheet& sheet, double ambient, doubl
   if (!sheet.theta.empty()) {
     add("temperature", sheet.theta, kelvin, ambient);
     add("u", sheet.theta, 1.0, 0.0);
-    const std::vector<double>& strain = sheet.diffusion->strain_vertex();
-    if (strain.size() == sheet.theta.size())
-      add("C", strain, 1.0, 0.0);
+    if (sheet.strain_added.size() == sheet.theta.size())
+      add("C", sheet.strain_added, 1.0, 0.0);
     else
       view.values.emplace_back("C", std::vector<float>(sheet.theta.size(), 0.0F));
   }
@@ -270,7 +284,8 @@ std::map<std::string, double> sheet_metrics(const Sheet& sheet) {
     m["contacts"] = static_cast<double>(sheet.report.shell.contacts);
   }
   if (!sheet.theta.empty()) {
-    for (const double theta : sheet.theta) hottest = std::max(hottest, theta);
+    for (std::size_t i = 0; i < sheet.theta.size(); ++i)
+      if (sheet.mesh.vertex_area[i] > 0.0) hottest = std::max(hottest, sheet.theta[i]);
     m["theta_max"] = hottest;
     m["front_vertices"] = static_cast<double>(sheet.report.diffusion.front_vertices);
     m["strain_added"] = sheet.report.diffusion.strain_added;

@@ -26,6 +26,9 @@ std::vector<Vec3> wind_at(const WorldParams& params, const std::vector<Vec3>& x,
 /// often and where first.
 std::vector<std::string> crossing_sheets(const std::vector<Sheet>& sheets);
 
+/// One line for each sheet that reaches out of the grid's box at the start: what it gives off there is lost.
+std::vector<std::string> sheets_outside(const std::vector<Sheet>& sheets, const fluid::Grid& grid);
+
 /// Largest speed of the vertices that are in the grid's box, or would be within a cell of it [m/s].
 double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid);
 

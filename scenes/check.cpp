@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <map>
 
-#include "coupling/world_parts.h"
 #include "coupling/world.h"
+#include "coupling/world_parts.h"
 #include "fluid/smoke.h"
 #include "scenes/disk_estimate.h"
 #include "scenes/effective_scene.h"

@@ -23,9 +23,17 @@ void append_vector(Bytes& bytes, const Vec3& v) {
   append(bytes, values, sizeof values);
 }
 
-std::string header(const coupling::ShellView& view) {
+/// The vertices that a triangle still names, in their order.
+std::vector<std::int32_t> living_vertices(const solid::ShellMesh& mesh) {
+  std::vector<std::int32_t> living;
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
+    if (mesh.incident_offset[i + 1] > mesh.incident_offset[i]) living.push_back(static_cast<std::int32_t>(i));
+  return living;
+}
+
+std::string header(const coupling::ShellView& view, std::size_t vertices) {
   std::string text = fmt::format("ply\nformat binary_little_endian 1.0\ncomment wick {}\nelement vertex {}\n",
-                                 view.name, view.x->size());
+                                 view.name, vertices);
   const auto floats = [&](std::initializer_list<const char*> names) {
     for (const char* name : names) text += fmt::format("property float {}\n", name);
   };
@@ -33,6 +41,7 @@ std::string header(const coupling::ShellView& view) {
   if (view.mesh->has_chart()) floats({"s", "t"});
   for (const char* name : {"red", "green", "blue", "alpha"}) text += fmt::format("property uchar {}\n", name);
   for (const auto& [name, values] : view.values) floats({name.c_str()});
+  text += "property int id\n";
   text += fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                       view.mesh->triangle_count());
   return text;
@@ -48,14 +57,17 @@ std::uint8_t srgb_byte(double linear) {
 }  // namespace
 
 Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis) {
-  const std::size_t count = view.x->size();
+  const std::vector<std::int32_t> living = living_vertices(*view.mesh);
   const std::vector<Vec3> normals = solid::vertex_normals(*view.mesh, *view.x);
   const std::vector<SheetColor> colors = sheet_colors(view);
-  const std::string head = header(view);
+  const std::string head = header(view, living.size());
+  std::vector<std::int32_t> place(view.x->size(), -1);
   Bytes bytes;
-  bytes.reserve(head.size() + count * (48 + 4 * view.values.size()) + 13 * view.mesh->triangle_count());
+  bytes.reserve(head.size() + living.size() * (52 + 4 * view.values.size()) + 13 * view.mesh->triangle_count());
   append(bytes, head.data(), head.size());
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t k = 0; k < living.size(); ++k) {
+    const auto i = static_cast<std::size_t>(living[k]);
+    place[i] = static_cast<std::int32_t>(k);
     append_vector(bytes, to_axes((*view.x)[i], up_axis));
     append_vector(bytes, to_axes(normals[i], up_axis));
     append_vector(bytes, to_axes((*view.v)[i], up_axis));
@@ -68,10 +80,11 @@ Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis) {
     for (int c = 0; c < 3; ++c) rgba[c] = srgb_byte(colors[i].reflected[c] + colors[i].emitted[c]);
     append(bytes, rgba.data(), rgba.size());
     for (const auto& [name, values] : view.values) append(bytes, &values[i], sizeof(float));
+    append(bytes, &living[k], sizeof living[k]);
   }
   for (const Int3& triangle : view.mesh->triangles) {
     bytes.push_back(3);
-    append(bytes, triangle.data(), sizeof triangle);
+    for (const std::int32_t i : triangle) append(bytes, &place[i], sizeof place[i]);
   }
   return bytes;
 }

@@ -15,7 +15,7 @@ namespace {
 /// Whole numbers are stored as such.
 bool is_count(const std::string& path) {
   return path == "/frame" || path == "/substeps" || path == "/unconverged_solves" || path == "/lengthened_steps" ||
-         path == "/squeezed_steps" || path.ends_with("/iterations");
+         path == "/squeezed_steps" || path == "/forced_contacts" || path.ends_with("/iterations");
 }
 
 /// What a frame that does not name `path` has there.
@@ -102,6 +102,7 @@ Metrics::Row metrics_row(const coupling::World& world, const coupling::FrameRepo
   row["/substeps"] = report.substeps;
   row["/unconverged_solves"] = report.unconverged_solves;
   row["/squeezed_steps"] = report.squeezed_steps;
+  row["/forced_contacts"] = report.forced_contacts;
   row["/lengthened_steps"] = report.lengthened_steps;
   for (const char* path : {output_timing, background_timing}) row[path] = 0.0;
   row["/memory/peak_rss_bytes"] = static_cast<double>(peak_memory());

@@ -11,8 +11,8 @@ namespace {
 
 /// Strain of unburnt cloth or paper that no load of theirs explains.
 constexpr double kOddStretch = 0.25;
-/// Part of a quantity that sealed pockets may take out without a word.
-constexpr double kMuchWalledIn = 0.01;
+/// Part of a quantity that may be lost on a way that no scene asks for without a word.
+constexpr double kMuchLost = 0.01;
 
 void add_stretched_shells(const Metrics& metrics, std::vector<std::string>& found) {
   const std::string head = "/shell/", tail = "/max_stretch_unburnt";
@@ -42,18 +42,25 @@ void add_cold_shells(const Metrics& metrics, std::vector<std::string>& found) {
   }
 }
 
-void add_walled_in(const std::map<std::string, Ledger>& ledgers, std::vector<std::string>& found) {
-  for (const auto& [quantity, ledger] : ledgers) {
-    const auto flow = ledger.flows().find("walled_in");
-    if (flow == ledger.flows().end()) continue;
-    const double share = std::abs(flow->second) / ledger.largest_amount();
-    if (share > kMuchWalledIn)
-      found.push_back(
-          fmt::format("{:.0f} % of the {} was taken out of pockets that walls shut on all sides (walled_in in the "
-                      "ledger): finer "
-                      "cells resolve them",
-                      100.0 * share, quantity));
-  }
+void add_losses(const std::map<std::string, Ledger>& ledgers, std::vector<std::string>& found) {
+  struct Loss {
+    const char *flow, *text;
+  };
+  constexpr Loss kLosses[] = {
+      {"walled_in",
+       "was taken out of pockets that walls shut on all sides (walled_in in the ledger): finer cells "
+       "resolve them"},
+      {"escaped",
+       "was given off by sheets outside the box of the gas and is lost (escaped in the ledger): let the box "
+       "hold them"}};
+  for (const auto& [quantity, ledger] : ledgers)
+    for (const Loss& loss : kLosses) {
+      const auto flow = ledger.flows().find(loss.flow);
+      if (flow == ledger.flows().end()) continue;
+      const double share = std::abs(flow->second) / ledger.largest_amount();
+      if (share > kMuchLost)
+        found.push_back(fmt::format("{:.0f} % of the {} {}", 100.0 * share, quantity, loss.text));
+    }
 }
 
 }  // namespace
@@ -75,13 +82,16 @@ std::vector<std::string> rare_events(const Metrics& metrics, const std::map<std:
         "in {} steps closed walls pushed more gas in than out, which cannot flow anywhere: open a side of "
         "/smoke/sides, or keep what moves from entering or squeezing a closed box",
         steps));
+  if (const long long pairs = total_count(metrics, "/forced_contacts"); pairs > 0)
+    found.push_back(
+        fmt::format("pins or driven sheets forced sheets through each other ({} times): change their ways", pairs));
   if (const long long steps = total_count(metrics, "/lengthened_steps"); steps > 0)
     found.push_back(fmt::format(
         "{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten the frame",
         steps));
   add_stretched_shells(metrics, found);
   add_cold_shells(metrics, found);
-  add_walled_in(ledgers, found);
+  add_losses(ledgers, found);
   return found;
 }
 

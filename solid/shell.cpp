@@ -66,7 +66,7 @@ struct ShellSolver::Impl {
 
   void load(const ShellState& state, const ShellInputs& inputs, const Pins& pins);
   void prepare_push(const std::vector<Vec3>& force, const std::vector<Vec3>& wind, const Vec3& gravity);
-  void move_pins(const ShellState& state, const Pins& pins, double share);
+  void move_pins(double share);
   void predict();
   void unbend();
   void finish(const std::vector<Obstacle>& obstacles, double start);
@@ -89,6 +89,11 @@ struct ShellSolver::Impl {
   double h = 0.0;                    ///< substep [s]
   double gamma = 0.0;                ///< Rayleigh damping b/h
   double keep = 1.0;                 ///< share of the velocity that air drag leaves a substep
+
+  // Of the step that is under way.
+  const ShellLoads* loads = nullptr;
+  std::vector<Vec3> pinned_from;  ///< where the pinned vertices were when it began [m]
+  int substeps = 1;
 };
 
 void ShellSolver::Impl::load(const ShellState& state, const ShellInputs& inputs, const Pins& pins) {
@@ -140,10 +145,11 @@ void ShellSolver::Impl::predict() {
 
 /// Puts the pinned vertices `share` of the way to their targets. Their position moves within the substep,
 /// so this follows predict().
-void ShellSolver::Impl::move_pins(const ShellState& state, const Pins& pins, double share) {
+void ShellSolver::Impl::move_pins(double share) {
+  const Pins& pins = loads->pins;
   for (std::size_t k = 0; k < pins.vertex.size(); ++k) {
     const std::int32_t i = pins.vertex[k];
-    const Vec3 x = share >= 1.0 ? pins.target[k] : Vec3(state.x[i] + share * (pins.target[k] - state.x[i]));
+    const Vec3 x = share >= 1.0 ? pins.target[k] : Vec3(pinned_from[k] + share * (pins.target[k] - pinned_from[k]));
     position[i] = row(x, 0.0);
     bent[i] = row(x + gamma * (x - vector(previous[i])), 0.0);
   }
@@ -240,35 +246,81 @@ int substep_count(const ShellParams& params, double dt) {
   return static_cast<int>(std::clamp(wanted, 1.0, 1e8));
 }
 
-ShellStepReport ShellSolver::step(ShellState& state, const ShellMesh& mesh, const ShellInputs& inputs,
-                                  const Pins& pins, const std::vector<Obstacle>& obstacles,
-                                  const std::vector<Vec3>& force, const std::vector<Vec3>& wind,
-                                  const Vec3& gravity, double dt) {
-  ShellStepReport report;
-  if (!(dt > 0.0)) return report;
-  assert(state.x.size() == impl_->vertex_count && state.v.size() == impl_->vertex_count);
-  assert(mesh.triangle_count() == inputs.rest_scale.size() && mesh.hinges.size() == inputs.rest_angle.size());
-  const auto clock = std::chrono::steady_clock::now();
+void ShellSolver::begin(const ShellState& state, const ShellLoads& loads, double dt, int substeps) {
   Impl& s = *impl_;
-  report.substeps = substep_count(s.params, dt);
-  s.h = dt / report.substeps;
+  assert(state.x.size() == s.vertex_count && state.v.size() == s.vertex_count);
+  s.loads = &loads;
+  s.substeps = substeps;
+  s.h = dt / substeps;
   s.gamma = s.params.damping / s.h;
-  s.constraints.update(inputs, s.h);
-  s.load(state, inputs, pins);
-  s.prepare_push(force, wind, gravity);
-  s.spin.choose_free(pins, inputs);
-  s.triangle_contact.begin_step(obstacles);
-  for (int k = 0; k < report.substeps; ++k) {
-    s.spin.remember(s.position, s.velocity, s.push, s.keep);
-    s.predict();
-    s.move_pins(state, pins, (k + 1.0) / report.substeps);
-    s.constraints.project_flat_hinges(s.bent, s.gamma);
-    s.unbend();
-    s.constraints.project_bent_hinges_and_triangles(s.position, s.previous, s.gamma);
-    s.finish(obstacles, k * s.h);
-    s.spin.restore(s.position, s.velocity, s.touched, s.h);
+  s.constraints.update(loads.inputs, s.h);
+  s.load(state, loads.inputs, loads.pins);
+  s.prepare_push(loads.force, loads.wind, loads.gravity);
+  s.spin.choose_free(loads.pins, loads.inputs);
+  s.triangle_contact.begin_step(loads.obstacles);
+  s.pinned_from.clear();
+  for (const std::int32_t i : loads.pins.vertex) s.pinned_from.push_back(state.x[i]);
+}
+
+void ShellSolver::deform(int substep) {
+  Impl& s = *impl_;
+  s.spin.remember(s.position, s.velocity, s.push, s.keep);
+  s.predict();
+  s.move_pins((substep + 1.0) / s.substeps);
+  s.constraints.project_flat_hinges(s.bent, s.gamma);
+  s.unbend();
+  s.constraints.project_bent_hinges_and_triangles(s.position, s.previous, s.gamma);
+}
+
+void ShellSolver::meet_obstacles(int substep) {
+  impl_->finish(impl_->loads->obstacles, substep * impl_->h);
+}
+
+void ShellSolver::end_substep() {
+  Impl& s = *impl_;
+  s.spin.restore(s.position, s.velocity, s.touched, s.h);
+}
+
+ShellStepReport ShellSolver::end(ShellState& state, const ShellMesh& mesh) {
+  ShellStepReport report;
+  report.substeps = impl_->substeps;
+  impl_->store(mesh, state, report);
+  impl_->loads = nullptr;
+  return report;
+}
+
+std::vector<Row>& ShellSolver::positions() {
+  return impl_->position;
+}
+
+const std::vector<std::uint8_t>& ShellSolver::touched() const {
+  return impl_->touched;
+}
+
+void ShellSolver::note_contact(std::size_t i, const Row& start) {
+  Impl& s = *impl_;
+  s.touched[i] = 1;
+  if (!(s.position[i].w > 0.0)) return;
+  // An obstacle shifts `previous` along with the overlap that it takes out, so that this makes no speed; where the
+  // contact has undone the push, that shift would be a speed. What overlaps has the lesser of the two.
+  const Vec3 x = vector(s.position[i]), since_shifted = x - vector(s.previous[i]), since_start = x - vector(start);
+  const bool shifted = since_shifted.squaredNorm() < since_start.squaredNorm();
+  s.velocity[i] = row((shifted ? since_shifted : since_start) / s.h, 0.0);
+}
+
+ShellStepReport ShellSolver::step(ShellState& state, const ShellMesh& mesh, const ShellLoads& loads, double dt) {
+  if (!(dt > 0.0)) return {};
+  assert(mesh.triangle_count() == loads.inputs.rest_scale.size());
+  assert(mesh.hinges.size() == loads.inputs.rest_angle.size());
+  const auto clock = std::chrono::steady_clock::now();
+  const int substeps = substep_count(impl_->params, dt);
+  begin(state, loads, dt, substeps);
+  for (int k = 0; k < substeps; ++k) {
+    deform(k);
+    meet_obstacles(k);
+    end_substep();
   }
-  s.store(mesh, state, report);
+  ShellStepReport report = end(state, mesh);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
   return report;
 }

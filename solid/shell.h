@@ -8,6 +8,7 @@
 #include "core/obstacle.h"
 #include "core/report.h"
 #include "core/state.h"
+#include "solid/lanes.h"
 #include "solid/shell_mesh.h"
 
 namespace wick {
@@ -62,6 +63,16 @@ struct ShellStepReport {
   double seconds = 0.0;
 };
 
+/// What a step is made for; lives through the step.
+struct ShellLoads {
+  const ShellInputs& inputs;
+  const Pins& pins;
+  const std::vector<Obstacle>& obstacles;  ///< where they are at the start of the step; move with their velocity
+  const std::vector<Vec3>& force;          ///< held over the step, V [N]
+  const std::vector<Vec3>& wind;           ///< velocity of the air for the drag [m/s], V, or empty for still air
+  Vec3 gravity;                            ///< [m/s2]
+};
+
 /// Keeps the colouring and the constraint data of one topology alive.
 class ShellSolver {
  public:
@@ -70,12 +81,24 @@ class ShellSolver {
   ShellSolver(ShellSolver&&) noexcept;
   ShellSolver& operator=(ShellSolver&&) noexcept;
 
-  /// Advances the shell by dt. `force` is held over the step (V, [N]); `gravity` [m/s2]; `wind` velocity of
-  /// the air for the drag [m/s], one per vertex or empty for still air. Obstacles are given where they are at the
-  /// start of the step and move with their velocity through it.
-  ShellStepReport step(ShellState& state, const ShellMesh& mesh, const ShellInputs& inputs, const Pins& pins,
-                       const std::vector<Obstacle>& obstacles, const std::vector<Vec3>& force,
-                       const std::vector<Vec3>& wind, const Vec3& gravity, double dt);
+  /// Advances the shell by dt, without contact between sheets.
+  ShellStepReport step(ShellState& state, const ShellMesh& mesh, const ShellLoads& loads, double dt);
+
+  // The same in parts, so that sheets that touch each other advance side by side (solid/sheet_group.h): begin, for
+  // each substep the three in their order, end.
+  void begin(const ShellState& state, const ShellLoads& loads, double dt, int substeps);
+  void deform(int substep);
+  void meet_obstacles(int substep);
+  void end_substep();
+  ShellStepReport end(ShellState& state, const ShellMesh& mesh);
+
+  /// Positions and inverse masses of the vertices, between the parts of a substep. One row more than vertices.
+  [[nodiscard]] std::vector<Row>& positions();
+  /// Per vertex: moved by an obstacle in this substep, after meet_obstacles().
+  [[nodiscard]] const std::vector<std::uint8_t>& touched() const;
+  /// Tells that a contact with a sheet has moved vertex i, which was at `start` at the start of the substep, after
+  /// meet_obstacles().
+  void note_contact(std::size_t i, const Row& start);
 
  private:
   struct Impl;

@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "solid/contact.h"
+#include "solid/proximity.h"
 
 namespace wick::solid {
 
@@ -22,34 +23,6 @@ void set(Row& r, const Vec3& v) {
 
 Vec3 point_of(const std::array<Vec3, 3>& corner, const std::array<double, 3>& weight) {
   return weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2];
-}
-
-/// Weights of the point of a triangle closest to p, by the Voronoi regions of its corners and edges [Ericson
-/// 2005, 5.1.5].
-std::array<double, 3> closest_weights(const std::array<Vec3, 3>& corner, const Vec3& p) {
-  const Vec3 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
-  const Vec3 ap = p - corner[0], bp = p - corner[1], cp = p - corner[2];
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d1 <= 0.0 && d2 <= 0.0) return {1.0, 0.0, 0.0};
-  if (d3 >= 0.0 && d4 <= d3) return {0.0, 1.0, 0.0};
-  if (d6 >= 0.0 && d5 <= d6) return {0.0, 0.0, 1.0};
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-    const double t = d1 / (d1 - d3);
-    return {1.0 - t, t, 0.0};
-  }
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-    const double t = d2 / (d2 - d6);
-    return {1.0 - t, 0.0, t};
-  }
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0.0, 1.0 - t, t};
-  }
-  const double sum = va + vb + vc;
-  // A triangle without area is a segment, whose regions are all above; what rounding leaves over is as well here.
-  if (!(sum > 0.0)) return {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
-  return {va / sum, vb / sum, vc / sum};
 }
 
 /// Takes the point of the triangle at `weight` if it is deeper than the deepest so far.

@@ -54,7 +54,10 @@ ExperimentReport earlier_methods_on_a_flag(const Surroundings& s) {
                {"porous", {"/diffusion/model=porous", "/diffusion/porous/permeability=1e-7"}},
                {"diffuse_gravity",
                 {"/diffusion/model=diffuse_gravity", "/diffusion/gravity_transport/diffusion_rate=1000",
-                 "/diffusion/gravity_transport/gravity_rate=200"}}},
+                 "/diffusion/gravity_transport/gravity_rate=200"}},
+               {"noise", {"/diffusion/model=noise", "/diffusion/noise/frequency=24"}},
+               model("tensor", "tensor"),
+               model("Eq 7", "strain_unconstrained")},
               wet_band);
   ExperimentReport report;
   for (const std::size_t m : {2, 3}) add_earlier_method(all, m, 1, report);
@@ -62,6 +65,11 @@ ExperimentReport earlier_methods_on_a_flag(const Surroundings& s) {
   report.checks.push_back(reported("r_s(ours)", all.of(1, &FrontNumbers::advance)));
   report.checks.push_back(reported("r_s partial(ours)", all.of(1, &FrontNumbers::advance_partial)));
   report.checks.push_back(reported("rG(ours)", all.of(1, &FrontNumbers::displacement)));
+  for (const std::size_t m : {4, 5, 6}) {
+    const std::string& label = all.numbers[m].label;
+    report.checks.push_back(reported("r_s(" + label + ")", all.of(m, &FrontNumbers::advance)));
+    report.checks.push_back(reported("r_s partial(" + label + ")", all.of(m, &FrontNumbers::advance_partial)));
+  }
   report.analysis =
       "A held flag is strained most beside its pole, which is also where the water enters and every front is "
       "fast: both earlier methods slow down away from it, and their advance correlates with strain that they do "

@@ -11,6 +11,7 @@
 #include "core/require.h"
 #include "coupling/exchange.h"
 #include "coupling/rasterize.h"
+#include "solid/crossings.h"
 #include "tests/support/memory_state.h"
 #include "tests/support/worlds.h"
 
@@ -288,6 +289,40 @@ TEST(World, RefusesWhatDoesNotFitTogether) {
   EXPECT_EQ(pointer_of(params), "/shells/0/mesh/file");
 }
 
+/// The frame in which triangles fall away still shows the C that the diffusion added, and what burnt away is no
+/// longer measured.
+TEST(World, ShowsWhatIsLeftWhenTrianglesFallAway) {
+  WorldParams params = burning_world();
+  params.shells[0].mesh.wrinkle = 0.02;
+  World world(params);
+  std::size_t triangles = world.shells()[0].mesh->triangle_count();
+  int seen = 0;
+  for (int n = 0; n < 60 && seen < 3; ++n) {
+    world.step(1.0 / 24);
+    const ShellView view = world.shells()[0];
+    if (view.mesh->triangle_count() == std::exchange(triangles, view.mesh->triangle_count())) continue;
+    ++seen;
+    float largest = 0.0F, hottest = 0.0F;
+    for (const auto& [name, values] : view.values)
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (name == "C") largest = std::max(largest, values[i]);
+        if (name == "u" && view.mesh->vertex_area[i] > 0.0) hottest = std::max(hottest, values[i]);
+      }
+    EXPECT_GT(largest, 0.0F);
+    EXPECT_NEAR(world.shell_metrics().begin()->second.at("theta_max"), hottest, 1e-6);
+  }
+  EXPECT_EQ(seen, 3);
+}
+
+TEST(World, TellsOfSheetsThatReachOutOfTheGas) {
+  WorldParams params = burning_world();
+  EXPECT_TRUE(World(params).warnings().empty());
+  params.shells[0].mesh.position.x() += 0.5;
+  const std::vector<std::string> found = World(params).warnings();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NE(found[0].find("vertices are outside the box of the gas at the start"), std::string::npos) << found[0];
+}
+
 TEST(World, TellsOfSheetsThatPassThroughEachOtherAtTheStart) {
   WorldParams params;
   params.shells = {test::flat_sheet(5, 0.5, 0.3), test::flat_sheet(5, 0.5, 0.4), test::bag(2, 0.2)};
@@ -299,6 +334,43 @@ TEST(World, TellsOfSheetsThatPassThroughEachOtherAtTheStart) {
   const std::vector<std::string> found = World(params).warnings();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(found[0].starts_with("/shells/2: passes through /shells/1 at the start (")) << found[0];
+  params.contact.emplace();
+  EXPECT_THROW(World{params}, Refusal);
+  params.contact->allow_crossings = true;
+  EXPECT_EQ(World(params).warnings().size(), 1U);
+}
+
+/// A driven sheet lifts a free one that lies on a held one, in gas; everything goes on to the same bits from a state.
+TEST(World, SheetsThatTouchAreStepsOfOneState) {
+  WorldParams params = burning_world();
+  params.contact.emplace();
+  params.contact->sheets.thickness = 4e-3;
+  params.shells.push_back(test::flat_sheet(15, 0.4, 0.26));
+  params.shells.push_back(test::flat_sheet(9, 0.4, 0.25));
+  params.shells[1].name = "below";
+  params.shells[2].name = "held";
+  params.shells[2].moves = false;
+  World whole(params), first(params), second(params);
+  const auto crossings = [](const World& world) {
+    std::vector<solid::PosedSheet> posed;
+    for (const ShellView& view : world.shells()) posed.push_back({view.mesh, view.x});
+    return solid::find_crossings(posed).size();
+  };
+  for (int n = 0; n < 10; ++n) {
+    whole.step(1.0 / 24);
+    ASSERT_EQ(crossings(whole), 0U) << "frame " << n;
+  }
+  for (int n = 0; n < 6; ++n) first.step(1.0 / 24);
+  test::MemoryState store;
+  first.visit(store);
+  store.saving = false;
+  second.visit(store);
+  second.restored();
+  for (int n = 0; n < 4; ++n) second.step(1.0 / 24);
+  EXPECT_EQ(second.state_hash(), whole.state_hash());
+  const std::vector<std::string> models = whole.models();
+  EXPECT_NE(std::find(models.begin(), models.end(), "contact"), models.end());
+  for (const Vec3& x : *whole.shells()[1].x) EXPECT_GT(x.z(), 0.25) << "it lies on the held one";
 }
 
 }  // namespace

@@ -19,12 +19,13 @@ struct Sheet {
   }
 };
 
-constexpr std::size_t vertex_bytes = 11 * 4 + 4 + 2 * 4;
+constexpr std::size_t vertex_bytes = 11 * 4 + 4 + 3 * 4;
 
 struct Vertex {
   float x[3], n[3], v[3], st[2];
   std::uint8_t rgba[4];
   float temperature, charred;
+  std::int32_t id;
 };
 static_assert(sizeof(Vertex) == vertex_bytes);
 
@@ -43,7 +44,7 @@ TEST(MeshOutput, WritesWhatItsHeaderSays) {
       "float "
       "vy\nproperty float vz\nproperty float s\nproperty float t\nproperty uchar red\nproperty uchar "
       "green\nproperty uchar "
-      "blue\nproperty uchar alpha\nproperty float temperature\nproperty float char\nelement face 2\nproperty list "
+      "blue\nproperty uchar alpha\nproperty float temperature\nproperty float char\nproperty int id\nelement face 2\nproperty list "
       "uchar "
       "int vertex_indices\nend_header\n";
   ASSERT_TRUE(bytes.starts_with(expected)) << bytes.substr(0, 700);
@@ -61,6 +62,26 @@ TEST(MeshOutput, WritesWhatItsHeaderSays) {
   EXPECT_EQ(triangle[0], 1);
   EXPECT_EQ(triangle[1], 3);
   EXPECT_EQ(triangle[2], 2);
+}
+
+/// Vertices whose triangles have burnt away are gone; the others keep their number as `id`.
+TEST(MeshOutput, HoldsOnlyWhatIsLeft) {
+  Sheet sheet;
+  sheet.mesh = solid::without_triangles(sheet.mesh, {0, 1});
+  const Bytes bytes = shell_ply(sheet.view(), UpAxis::z);
+  EXPECT_NE(bytes.find("element vertex 3\n"), std::string::npos);
+  EXPECT_NE(bytes.find("element face 1\n"), std::string::npos);
+  std::vector<Vertex> vertices(3);
+  std::memcpy(vertices.data(), bytes.data() + bytes.find("end_header\n") + 11, 3 * vertex_bytes);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(vertices[k].id, k + 1);
+    EXPECT_EQ(vertices[k].x[0], static_cast<float>(sheet.x[k + 1].x()));
+  }
+  std::int32_t triangle[3];
+  std::memcpy(triangle, bytes.data() + bytes.size() - 12, sizeof triangle);
+  EXPECT_EQ(triangle[0], 0);
+  EXPECT_EQ(triangle[1], 2);
+  EXPECT_EQ(triangle[2], 1);
 }
 
 TEST(MeshOutput, ColoursShowTheBurning) {

@@ -14,9 +14,8 @@ struct Sheet {
     state.v.assign(mesh.vertex_count(), Vec3::Zero());
   }
 
-  ShellStepReport step(double dt) {
-    return solver.step(state, mesh, inputs, pins, obstacles, force, wind, gravity, dt);
-  }
+  [[nodiscard]] ShellLoads loads() const { return {inputs, pins, obstacles, force, wind, gravity}; }
+  ShellStepReport step(double dt) { return solver.step(state, mesh, loads(), dt); }
   void run(double seconds, double dt) {
     const int steps = static_cast<int>(std::ceil(seconds / dt));
     for (int k = 0; k < steps; ++k) step(dt);
