@@ -76,9 +76,24 @@ bool is_inside(const Separation& s) {
 /// past would run into it like into a bump: there the closest points at the end count, if they are on the same
 /// side.
 Separation way_to_push(const ContactPair& pair, const Separation& at_start, const std::vector<Row>& x) {
-  if (is_inside(at_start)) return at_start;
+  if (is_inside(at_start) || pair.kind == FeaturePair::edge_edge) return at_start;
   const Separation at_end = closest(pair.kind, points(x, pair.vertex));
   return at_end.direction.dot(at_start.direction) > 0.0 ? at_end : at_start;
+}
+
+/// Many pairs share a rim at which they are closest: the vertex and the triangle that answers for the rim push, the
+/// others do not.
+PushRole role_of(const ContactMesh& mesh, const ContactPair& pair, const Separation& s) {
+  if (is_inside(s)) return PushRole::inside;
+  if (pair.kind == FeaturePair::edge_edge) return PushRole::none;
+  const std::uint8_t vertices = mesh.vertices[pair.triangle[1]], edges = mesh.edges[pair.triangle[1]];
+  for (unsigned k = 0; k < 3; ++k) {
+    const bool here = s.weight[1 + k] != 0.0, next = s.weight[1 + (k + 1) % 3] != 0.0;
+    const bool before = s.weight[1 + (k + 2) % 3] != 0.0;
+    if (here && next) return (edges >> k & 1) != 0 ? PushRole::rim : PushRole::none;
+    if (here && !before) return (vertices >> k & 1) != 0 ? PushRole::rim : PushRole::none;
+  }
+  return PushRole::none;
 }
 
 }  // namespace
@@ -98,40 +113,38 @@ void SheetContact::Impl::find_near(const std::vector<Row>& x) {
     const Separation s = closest(pair.kind, points(start, pair.vertex));
     pair.allowance = before + s.distance - pair.keep;
     if (after < pair.allowance) return;
+    const Separation along = way_to_push(pair, s, x);
     near_found[chunk].push_back(
-        {&pair, s, way_to_push(pair, s, x), std::min(pair.keep, s.distance + kRecovery * pair.keep)});
+        {&pair, s, along, role_of(mesh, pair, along), std::min(pair.keep, s.distance + kRecovery * pair.keep)});
   });
   for (const std::vector<NearPair>& here : near_found) near.insert(near.end(), here.begin(), here.end());
-  report.contacts = near.size();
+  for (std::size_t k = 0; k < near.size(); ++k) near[k].pair->near = static_cast<std::int32_t>(k);
 }
 
 /// Contacts of one colour share no vertex. Those inside of both features come first: they push straight apart, and
 /// what is closest at a rim then mostly lacks nothing; pushed before, it would lean on the sheet like on a bump.
 void SheetContact::Impl::sort_by_color() {
-  const auto rims =
-      std::stable_partition(near.begin(), near.end(), [](const NearPair& n) { return is_inside(n.along); });
-  const auto first_rim = static_cast<std::size_t>(rims - near.begin());
+  push_order.clear();
   ranges.clear();
-  sort_range_by_color(0, first_rim);
-  sort_range_by_color(first_rim, near.size());
-  for (std::size_t k = 0; k < near.size(); ++k) near[k].pair->near = static_cast<std::int32_t>(k);
-}
-
-void SheetContact::Impl::sort_range_by_color(std::size_t begin, std::size_t end) {
-  std::vector<std::int32_t> vertices;
-  vertices.reserve(4 * (end - begin));
-  for (std::size_t k = begin; k < end; ++k)
-    vertices.insert(vertices.end(), near[k].pair->vertex.begin(), near[k].pair->vertex.end());
-  const Coloring coloring = color_constraints(vertices, 4, mesh.vertex_count());
-  std::array<std::size_t, kMostColors + 2> place{};
-  for (const std::int32_t c : coloring.color) ++place[c + 1];
-  for (int c = 0; c <= kMostColors; ++c) {
-    if (place[c + 1] > 0) ranges.push_back({begin + place[c], begin + place[c] + place[c + 1], c == kLeftOver});
-    place[c + 1] += place[c];
+  for (const PushRole role : {PushRole::inside, PushRole::rim}) {
+    std::vector<std::int32_t> of_role, vertices;
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      if (near[k].role != role) continue;
+      of_role.push_back(static_cast<std::int32_t>(k));
+      vertices.insert(vertices.end(), near[k].pair->vertex.begin(), near[k].pair->vertex.end());
+    }
+    const Coloring coloring = color_constraints(vertices, 4, mesh.vertex_count());
+    std::array<std::size_t, kMostColors + 2> place{};
+    for (const std::int32_t c : coloring.color) ++place[c + 1];
+    const std::size_t begin = push_order.size();
+    for (int c = 0; c <= kMostColors; ++c) {
+      if (place[c + 1] > 0) ranges.push_back({begin + place[c], begin + place[c] + place[c + 1], c == kLeftOver});
+      place[c + 1] += place[c];
+    }
+    push_order.resize(begin + of_role.size());
+    for (std::size_t k = 0; k < of_role.size(); ++k) push_order[begin + place[coloring.color[k]]++] = of_role[k];
   }
-  std::vector<NearPair> sorted(end - begin);
-  for (std::size_t k = begin; k < end; ++k) sorted[place[coloring.color[k - begin]]++] = near[k];
-  std::copy(sorted.begin(), sorted.end(), near.begin() + static_cast<std::ptrdiff_t>(begin));
+  report.contacts = push_order.size();
 }
 
 /// A unilateral constraint C = n . sum w x - keep >= 0 with a fixed direction, and friction against the sliding of
@@ -197,7 +210,7 @@ void SheetContact::push_apart(std::vector<Row>& x, std::vector<std::uint8_t>& to
     for (const Impl::Range& range : s.ranges) {
       const std::size_t count = range.end - range.begin;
       parallel_for(count, range.one_by_one ? count : kNearGrain,
-                   [&](std::size_t k) { s.push(s.near[range.begin + k], x, touched); });
+                   [&](std::size_t k) { s.push(s.near[s.push_order[range.begin + k]], x, touched); });
     }
 }
 

@@ -81,7 +81,7 @@ void SheetContact::Impl::push_uncertain(std::vector<Row>& x, std::vector<std::ui
   std::vector<NearPair> faulty;
   for (ContactPair* pair : uncertain) {
     const Separation at_start = closest(pair->kind, points(start, pair->vertex));
-    faulty.push_back({pair, at_start, at_start, std::min(pair->keep, at_start.distance)});
+    faulty.push_back({pair, at_start, at_start, PushRole::inside, std::min(pair->keep, at_start.distance)});
   }
   for (int sweep = 0; sweep < kPushSweeps; ++sweep)
     for (NearPair& n : faulty) push(n, x, touched);

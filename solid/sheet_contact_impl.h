@@ -5,11 +5,15 @@
 
 namespace wick::solid {
 
+/// Which of the near pairs push, and when.
+enum class PushRole : std::uint8_t { inside, rim, none };
+
 /// A pair that is near in this substep: where it was closest at the start, along what it is pushed, and how hard it
 /// has been.
 struct NearPair {
   ContactPair* pair;
   Separation start, along;
+  PushRole role;
   double keep;          ///< distance to restore in this substep [m]
   double pushed = 0.0;  ///< sum of corrections along the direction [m]
   double braked = 0.0;  ///< and across it, against sliding
@@ -51,7 +55,6 @@ struct SheetContact::Impl {
   void forget_near();
   void find_near(const std::vector<Row>& x);
   void sort_by_color();
-  void sort_range_by_color(std::size_t begin, std::size_t end);
   void push(NearPair& near, std::vector<Row>& x, std::vector<std::uint8_t>& touched) const;
 
   // certify.cpp: proof that nothing passed through, and zones where there is none.
@@ -86,7 +89,8 @@ struct SheetContact::Impl {
     std::size_t begin, end;
     bool one_by_one;  ///< its pairs may share vertices
   };
-  std::vector<Range> ranges;                      ///< of `near`, one after the other
+  std::vector<std::int32_t> push_order;           ///< places in `near`, colour after colour
+  std::vector<Range> ranges;                      ///< of push_order, one after the other
   std::vector<std::vector<NearPair>> near_found;  ///< one a chunk
   std::vector<std::vector<ContactPair*>> uncertain_found;
   std::vector<ContactPair*> uncertain;  ///< pairs whose motion is not proven
