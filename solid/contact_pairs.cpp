@@ -220,7 +220,14 @@ void PairFinder::place_boxes(const ContactBase& base) {
   });
 }
 
-void PairFinder::pair_clusters(double far, std::vector<ClusterPair>& clusters) const {
+double PairFinder::outgrown(std::size_t cluster) const {
+  float most = 0.0F;
+  for (int k = 0; k < 6; ++k) most = std::max(most, paired_[cluster][k] - around_[cluster][k]);
+  return most;
+}
+
+void PairFinder::pair_clusters(double far, std::vector<ClusterPair>& clusters) {
+  paired_ = around_;
   std::vector<Box> boxes(around_.size());
   for (std::size_t c = 0; c < boxes.size(); ++c)
     for (int k = 0; k < 3; ++k) boxes[c].low[k] = around_[c][k], boxes[c].high[k] = -around_[c][k + 3];
@@ -257,40 +264,61 @@ void PairFinder::choose_budget(const ContactBase& base, ClusterPair& pair) const
   pair.budget = std::max({kLeastBudget * edge, kMargin * drift, kRoomShare * room});
 }
 
-/// Triangles of one cluster against those of the other side by side; of a cluster against itself each pair once.
+/// The triangles of a cluster whose boxes overlap one of another cluster; a box overlaps another if none of its
+/// numbers is above that of the other, seen `across`.
+void PairFinder::find_hits(std::int32_t cluster, const Bounds& across, std::int32_t of, std::int32_t triangle,
+                           Hits& hits) const {
+  const ClusterBoxes &theirs = boxes_[cluster], &mine = boxes_[of];
+  Bounds seen;
+  bool meets = true;
+  for (int k = 0; k < 6; ++k) {
+    seen[k] = across[k] - mine[(k + 3) % 6][triangle];
+    meets &= around_[cluster][k] <= seen[k];
+  }
+  if (!meets) {
+    hits.fill(0);
+    return;
+  }
+  for (std::size_t o = 0; o < hits.size(); ++o)
+    hits[o] = (theirs[0][o] <= seen[0]) & (theirs[1][o] <= seen[1]) & (theirs[2][o] <= seen[2]) &
+              (theirs[3][o] <= seen[3]) & (theirs[4][o] <= seen[4]) & (theirs[5][o] <= seen[5]);
+}
+
+/// Triangles of one cluster against those of the other side by side, each pair of them once: all, or those with a
+/// marked one.
 void PairFinder::search_one(const ContactBase& base, ClusterPair& clusters, bool all) const {
   const std::int32_t a = clusters.first, b = clusters.second;
   const std::int32_t first = mesh_.cluster_begin[a], second = mesh_.cluster_begin[b];
   const std::int32_t first_size = mesh_.cluster_begin[a + 1] - first;
   const std::int32_t second_size = mesh_.cluster_begin[b + 1] - second;
-  // A box overlaps another if none of its numbers is above that of the other, seen across.
-  Bounds across;
+  // Seen from the first cluster, and from the second.
+  Bounds forth, back;
+  const double by = clusters.budget + kRounding * (clusters.budget + clusters.shift.norm());
   for (int k = 0; k < 3; ++k) {
-    const double by = clusters.budget + kRounding * (clusters.budget + clusters.shift.norm());
-    across[k] = static_cast<float>(by + clusters.shift[k]);
-    across[k + 3] = static_cast<float>(by - clusters.shift[k]);
+    forth[k] = back[k + 3] = static_cast<float>(by + clusters.shift[k]);
+    forth[k + 3] = back[k] = static_cast<float>(by - clusters.shift[k]);
   }
   bool touch = true;
-  for (int k = 0; k < 6; ++k) touch &= around_[b][k] <= across[k] - around_[a][(k + 3) % 6];
+  for (int k = 0; k < 6; ++k) touch &= around_[b][k] <= forth[k] - around_[a][(k + 3) % 6];
   if (!touch) return;
   const Query query{mesh_, base, clusters, all ? 0.0 : clusters.budget};
-  const ClusterBoxes& theirs = boxes_[b];
-  std::array<std::uint8_t, ContactMesh::kClusterSize> hit, wanted{};
-  for (std::int32_t o = 0; o < second_size; ++o) wanted[o] = all ? 1 : base.triangle_marked[second + o];
+  const auto marked = [&](std::int32_t t) { return all || base.triangle_marked[t] != 0; };
+  Hits hits;
   for (std::int32_t t = 0; t < first_size; ++t) {
-    Bounds seen;
-    bool meets = true;
-    for (int k = 0; k < 6; ++k) {
-      seen[k] = across[k] - boxes_[a][(k + 3) % 6][t];
-      meets &= around_[b][k] <= seen[k];
+    if (!marked(first + t)) continue;
+    find_hits(b, forth, a, t, hits);
+    for (std::int32_t o = 0; o < second_size; ++o) {
+      if (hits[o] == 0 || (a == b && (o == t || (o < t && marked(second + o))))) continue;
+      // In one cluster the lesser number first, so that a pair looks the same whichever of them is searched.
+      const bool swapped = a == b && o < t;
+      query.look(swapped ? second + o : first + t, swapped ? first + t : second + o);
     }
-    if (!meets) continue;
-    for (std::size_t o = 0; o < hit.size(); ++o)
-      hit[o] = (theirs[0][o] <= seen[0]) & (theirs[1][o] <= seen[1]) & (theirs[2][o] <= seen[2]) &
-               (theirs[3][o] <= seen[3]) & (theirs[4][o] <= seen[4]) & (theirs[5][o] <= seen[5]);
-    const std::uint8_t mine = base.triangle_marked[first + t];
-    for (std::int32_t o = a == b ? t + 1 : 0; o < second_size; ++o)
-      if (hit[o] != 0 && (mine | wanted[o]) != 0) query.look(first + t, second + o);
+  }
+  for (std::int32_t o = 0; o < second_size && a != b && !all; ++o) {
+    if (!marked(second + o)) continue;
+    find_hits(a, back, b, o, hits);
+    for (std::int32_t t = 0; t < first_size; ++t)
+      if (hits[t] != 0 && !marked(first + t)) query.look(first + t, second + o);
   }
 }
 
@@ -307,7 +335,13 @@ void PairFinder::search(const ContactBase& base, std::vector<ClusterPair>& clust
         return base.triangle_marked[p.triangle[0]] != 0 || base.triangle_marked[p.triangle[1]] != 0;
       });
     }
+    const std::size_t kept = pair.pairs.size();
     search_one(base, pair, all);
+    if (all || pair.pairs.size() == kept) return;
+    // In the order of the triangles, as if all had been searched: it must not depend on when which of them were.
+    std::stable_sort(pair.pairs.begin(), pair.pairs.end(), [](const ContactPair& p, const ContactPair& q) {
+      return std::minmax(p.triangle[0], p.triangle[1]) < std::minmax(q.triangle[0], q.triangle[1]);
+    });
   });
 }
 

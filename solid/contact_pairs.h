@@ -84,7 +84,10 @@ class PairFinder {
   /// Grown boxes of the marked triangles.
   void place_boxes(const ContactBase& base);
   /// All pairs of clusters whose boxes are nearer than `far` [m], without their pairs.
-  void pair_clusters(double far, std::vector<ClusterPair>& clusters) const;
+  void pair_clusters(double far, std::vector<ClusterPair>& clusters);
+  /// How far the box of a cluster, which carries it along, reaches out of where it was when clusters were paired
+  /// [m].
+  [[nodiscard]] double outgrown(std::size_t cluster) const;
   /// Searches the marked pairs of clusters anew.
   void search(const ContactBase& base, std::vector<ClusterPair>& clusters) const;
 
@@ -92,12 +95,17 @@ class PairFinder {
   struct Query;
   /// Of the triangles of a cluster, each number side by side.
   using ClusterBoxes = std::array<std::array<float, ContactMesh::kClusterSize>, 6>;
+  using Bounds = std::array<float, 6>;
+  using Hits = std::array<std::uint8_t, ContactMesh::kClusterSize>;
+  void find_hits(std::int32_t cluster, const Bounds& across, std::int32_t of, std::int32_t triangle,
+                 Hits& hits) const;
   void choose_budget(const ContactBase& base, ClusterPair& clusters) const;
   void search_one(const ContactBase& base, ClusterPair& clusters, bool all) const;
 
   const ContactMesh& mesh_;
-  std::vector<ClusterBoxes> boxes_;           ///< low corners, and high ones with their sign turned
-  std::vector<std::array<float, 6>> around_;  ///< per cluster, the same
+  std::vector<ClusterBoxes> boxes_;  ///< low corners, and high ones with their sign turned
+  std::vector<Bounds> around_;       ///< per cluster, the same
+  std::vector<Bounds> paired_;       ///< and when clusters were paired
 };
 
 }  // namespace wick::solid

@@ -34,28 +34,49 @@ double square(const Lanes& v) {
 
 }  // namespace
 
-/// The mean motion of each cluster in this substep.
+/// About the mean motion of each cluster in this substep: any would do.
 void SheetContact::Impl::choose_drift(const std::vector<Row>& x) {
   parallel_for(mesh.cluster_count(), kClusterGrain, [&](std::size_t c) {
     Vec3 sum = Vec3::Zero();
-    for (std::int32_t t = mesh.cluster_begin[c]; t < mesh.cluster_begin[c + 1]; ++t)
-      for (const std::int32_t v : mesh.triangles[t]) sum += point(x[v]) - point(start[v]);
-    base.drift[c] = sum / (3.0 * (mesh.cluster_begin[c + 1] - mesh.cluster_begin[c]));
+    for (std::int32_t t = mesh.cluster_begin[c]; t < mesh.cluster_begin[c + 1]; ++t) {
+      const std::int32_t v = mesh.triangles[t][0];
+      sum += point(x[v]) - point(start[v]);
+    }
+    base.drift[c] = sum / (mesh.cluster_begin[c + 1] - mesh.cluster_begin[c]);
   });
+}
+
+/// How far a triangle is at x from where it was searched, against its cluster.
+double SheetContact::Impl::way_from_base(const std::vector<Row>& x, std::int32_t t) const {
+  const std::int32_t c = mesh.cluster[t];
+  const Lanes moved = lanes(base.drifted[c]) + lanes(base.drift[c]);
+  double farthest2 = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const Lanes corner = load_lanes(&base.corner[3 * t + k]);
+    farthest2 = std::max(farthest2, square(load_lanes(&x[mesh.triangles[t][k]]) - corner - moved));
+  }
+  return std::sqrt(farthest2);
 }
 
 /// How far triangles get against their clusters in this substep, and clusters against each other. Marks the
 /// triangles that have come farther than they were searched for; true if there are any.
 bool SheetContact::Impl::measure_ways(const std::vector<Row>& x) {
+  parallel_for(x.size(), kGrain, [&](std::size_t i) {
+    step[i] = {x[i].x - start[i].x, x[i].y - start[i].y, x[i].z - start[i].z, 0.0};
+  });
   parallel_for(mesh.cluster_count(), kClusterGrain, [&](std::size_t c) {
     const Lanes drift = lanes(base.drift[c]);
     std::uint8_t any = 0;
     for (std::int32_t t = mesh.cluster_begin[c]; t < mesh.cluster_begin[c + 1]; ++t) {
       double way2 = 0.0;
-      for (const std::int32_t v : mesh.triangles[t])
-        way2 = std::max(way2, square(load_lanes(&x[v]) - load_lanes(&start[v]) - drift));
+      for (const std::int32_t v : mesh.triangles[t]) way2 = std::max(way2, square(load_lanes(&step[v]) - drift));
       way[t] = std::sqrt(way2);
-      base.triangle_marked[t] = base.travelled[t] + way[t] > base.until[t] ? 1 : 0;
+      base.triangle_marked[t] = 0;
+      if (base.travelled[t] + way[t] <= base.until[t]) continue;
+      // What trembles has gone far and got nowhere.
+      const double room = base.reach[t] - way_from_base(x, t);
+      base.until[t] = base.travelled[t] + way[t] + room;
+      base.triangle_marked[t] = room < 0.0 ? 1 : 0;
       any |= base.triangle_marked[t];
     }
     base.cluster_marked[c] = any;
@@ -70,7 +91,7 @@ bool SheetContact::Impl::measure_ways(const std::vector<Row>& x) {
 bool SheetContact::Impl::clusters_too_far() const {
   const Vec3 common = mean(base.drifted) + mean(base.drift);
   for (std::size_t c = 0; c < mesh.cluster_count(); ++c)
-    if ((base.drifted[c] + base.drift[c] - common).norm() + strayed[c] > 0.5 * far) return true;
+    if ((base.drifted[c] + base.drift[c] - common).norm() + finder.outgrown(c) > 0.5 * far) return true;
   return false;
 }
 
@@ -93,10 +114,8 @@ void SheetContact::Impl::rebase_marked() {
   parallel_for(mesh.cluster_count(), kClusterGrain, [&](std::size_t c) {
     if (base.cluster_marked[c] == 0) return;
     const double edge = mesh.mean_edge[c];
-    double longest = 0.0;
     for (std::int32_t t = mesh.cluster_begin[c]; t < mesh.cluster_begin[c + 1]; ++t) {
       if (base.triangle_marked[t] == 0) continue;
-      longest = std::max(longest, base.reach[t]);
       for (int k = 0; k < 3; ++k) {
         const Vec3 p = point(start[mesh.triangles[t][k]]) - base.drifted[c];
         base.corner[3 * t + k] = {p.x(), p.y(), p.z(), 0.0};
@@ -105,7 +124,6 @@ void SheetContact::Impl::rebase_marked() {
       base.reach[t] = std::max(wanted, kMargin * way[t]);
       base.until[t] = base.travelled[t] + base.reach[t];
     }
-    strayed[c] += longest;
   });
   finder.place_boxes(base);
 }
@@ -117,7 +135,6 @@ void SheetContact::Impl::pair_clusters() {
   std::fill(base.triangle_marked.begin(), base.triangle_marked.end(), std::uint8_t{1});
   std::fill(base.cluster_marked.begin(), base.cluster_marked.end(), std::uint8_t{1});
   rebase_marked();
-  std::fill(strayed.begin(), strayed.end(), 0.0);
   const Vec3 common = mean(base.drift);
   double fastest = 0.0, longest = 0.0;
   for (const Vec3& d : base.drift) fastest = std::max(fastest, (d - common).norm());

@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kNearGrain = 256;
 /// Overlap from before the substep is taken out by this part of the thickness a substep, so that it makes no speed.
 constexpr double kRecovery = 0.3;
+/// Sums of ways over many substeps are as good as this.
+constexpr double kRounding = 1.0 + 1e-9;
 /// No vertex is moved by more than this times what its pair lacks: beside a held one it would be a lever.
 constexpr double kMostLever = 2.0;
 
@@ -49,11 +51,11 @@ SheetContact::Impl::Impl(std::span<const ShellMesh* const> meshes, std::span<con
   base.until.resize(triangles);
   base.triangle_marked.resize(triangles);
   way.resize(triangles);
+  step.resize(mesh.vertex_count());
   base.corner.resize(3 * triangles);
   base.reach.resize(triangles);
   base.drifted.assign(clusters_count, Vec3::Zero());
   base.drift.assign(clusters_count, Vec3::Zero());
-  strayed.resize(clusters_count);
   base.cluster_marked.resize(clusters_count);
   in_zone.resize(mesh.vertex_count());
 }
@@ -108,11 +110,12 @@ void SheetContact::Impl::find_near(const std::vector<Row>& x) {
   forget_near();
   near_found.resize((clusters.size() + kClusterGrain - 1) / kClusterGrain);
   for (std::vector<NearPair>& here : near_found) here.clear();
-  for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after) {
-    if (after < pair.allowance || !moves(pair)) return;
+  for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after, double apart) {
+    if (after * kRounding < pair.allowance || !moves(pair)) return;
     const Separation s = closest(pair.kind, points(start, pair.vertex));
     pair.allowance = before + s.distance - pair.keep;
-    if (after < pair.allowance) return;
+    // From what moves in this substep alone, so that which pairs are near does not depend on the steps before.
+    if (way[pair.triangle[0]] + way[pair.triangle[1]] + apart < s.distance - pair.keep) return;
     const Separation along = way_to_push(pair, s, x);
     near_found[chunk].push_back(
         {&pair, s, along, role_of(mesh, pair, along), std::min(pair.keep, s.distance + kRecovery * pair.keep)});
@@ -194,9 +197,10 @@ SheetContact& SheetContact::operator=(SheetContact&&) noexcept = default;
 
 void SheetContact::begin_step(const std::vector<Row>& x, int substeps) {
   assert(x.size() == impl_->mesh.vertex_count());
+  const auto same_place = [](const Row& a, const Row& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+  impl_->found &= std::equal(x.begin(), x.end(), impl_->start.begin(), impl_->start.end(), same_place);
   impl_->start = x;
   impl_->substeps_left = substeps;
-  impl_->found = false;
   impl_->report = {};
 }
 

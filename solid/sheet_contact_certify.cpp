@@ -10,16 +10,18 @@ namespace wick::solid {
 
 namespace {
 
-/// Share of its distance that a pair must keep in a substep. Below the floor, a part of the thickness, it must keep
-/// nearly all: distances must not fade to nothing over many substeps.
+/// Share of its distance, or of the thickness if that is less, that a pair must keep in a substep. Below the floor,
+/// a part of the thickness, it must keep nearly all: distances must not fade to nothing over many substeps.
 constexpr double kKeptShare = 0.2, kFloor = 1e-3, kKeptBelowFloor = 0.999;
 /// Rounds of pushing before vertices are joined to zones, and of zones before all of them are joined.
 constexpr int kPushRounds = 2, kZoneRounds = 40;
 constexpr int kPushSweeps = 4;
+/// Sums of ways over many substeps are as good as this.
+constexpr double kRounding = 1.0 + 1e-9;
 
 double required_distance(double at_start, double thickness) {
-  const double floor = kFloor * thickness;
-  return at_start > floor ? std::max(kKeptShare * at_start, floor * kKeptBelowFloor) : kKeptBelowFloor * at_start;
+  const double floor = kFloor * thickness, from = std::min(at_start, thickness);
+  return from > floor ? std::max(kKeptShare * from, floor * kKeptBelowFloor) : kKeptBelowFloor * from;
 }
 
 }  // namespace
@@ -58,8 +60,8 @@ bool SheetContact::Impl::certain(const ContactPair& pair, const Separation& at_s
 void SheetContact::Impl::find_uncertain(const std::vector<Row>& x, const std::vector<std::uint8_t>* marked) {
   uncertain_found.resize((clusters.size() + kClusterGrain - 1) / kClusterGrain);
   for (std::vector<ContactPair*>& here : uncertain_found) here.clear();
-  for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after) {
-    if (after < pair.allowance || pair.given_up || !moves(pair)) return;
+  for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after, double) {
+    if (after * kRounding < pair.allowance || pair.given_up || !moves(pair)) return;
     if (marked != nullptr &&
         std::none_of(pair.vertex.begin(), pair.vertex.end(), [&](std::int32_t v) { return (*marked)[v] != 0; }))
       return;
@@ -69,7 +71,7 @@ void SheetContact::Impl::find_uncertain(const std::vector<Row>& x, const std::ve
     }
     const Separation at_start = closest(pair.kind, points(start, pair.vertex));
     pair.allowance = before + at_start.distance - pair.keep;
-    if (after >= pair.allowance && !certain(pair, at_start, x)) uncertain_found[chunk].push_back(&pair);
+    if (after * kRounding >= pair.allowance && !certain(pair, at_start, x)) uncertain_found[chunk].push_back(&pair);
   });
   uncertain.clear();
   for (const std::vector<ContactPair*>& here : uncertain_found)
@@ -116,11 +118,11 @@ void SheetContact::Impl::move_zones(std::vector<Row>& x, std::vector<std::uint8_
   std::vector<Motion> motion(x.size());
   for (const std::int32_t i : members) {
     Motion& m = motion[zones.find(i)];
-    const Vec3 step = point(x[i]) - point(start[i]);
+    const Vec3 moved = point(x[i]) - point(start[i]);
     if (x[i].w > 0.0)
-      m.mass += 1.0 / x[i].w, m.moved += step / x[i].w;
+      m.mass += 1.0 / x[i].w, m.moved += moved / x[i].w;
     else
-      m.held += 1.0, m.carried += step;
+      m.held += 1.0, m.carried += moved;
   }
   for (const std::int32_t i : members) {
     if (!(x[i].w > 0.0)) continue;

@@ -41,6 +41,7 @@ struct SheetContact::Impl {
 
   // contact_refresh.cpp: how far things move, and which pairs are watched.
   void choose_drift(const std::vector<Row>& x);
+  [[nodiscard]] double way_from_base(const std::vector<Row>& x, std::int32_t t) const;
   bool measure_ways(const std::vector<Row>& x);
   bool refresh(const std::vector<Row>& x);
   [[nodiscard]] bool clusters_too_far() const;
@@ -73,15 +74,15 @@ struct SheetContact::Impl {
   SheetContactReport report;
 
   std::vector<Row> start;  ///< certified positions at the start of the substep, and inverse masses
+  std::vector<Row> step;   ///< way of each vertex in this substep [m]
   int substeps_left = 1;
 
   // How far things have come, and get in this substep. Ways are added up, so that they bound the distance between
   // any two moments.
   ContactBase base;
-  bool found = false;           ///< clusters have been paired in this step
-  double far = 0.0;             ///< clusters that are not paired were farther apart [m]
-  std::vector<double> strayed;  ///< of each cluster: how far its triangles may have left its box [m]
-  std::vector<double> way;      ///< of each triangle against its cluster in this substep [m]
+  bool found = false;       ///< clusters have been paired in this step
+  double far = 0.0;         ///< clusters that are not paired were farther apart [m]
+  std::vector<double> way;  ///< of each triangle against its cluster in this substep [m]
 
   std::vector<ClusterPair> clusters;
   std::vector<NearPair> near;
@@ -99,7 +100,8 @@ struct SheetContact::Impl {
   bool any_given_up = false;
 };
 
-/// Calls body(chunk, pair, way before this substep, way after it) for every pair, a chunk at a time in parallel.
+/// Calls body(chunk, pair, way before this substep, way after it, drift apart in it) for every pair, a chunk at a
+/// time in parallel.
 template <class Body>
 void SheetContact::Impl::for_pairs(Body&& body) {
   parallel_chunks(clusters.size(), kClusterGrain, [&](std::size_t begin, std::size_t end) {
@@ -107,7 +109,8 @@ void SheetContact::Impl::for_pairs(Body&& body) {
       for (ContactPair& pair : clusters[c].pairs) {
         const Int2& t = pair.triangle;
         const double before = base.travelled[t[0]] + base.travelled[t[1]] + clusters[c].drifted;
-        body(begin / kClusterGrain, pair, before, before + way[t[0]] + way[t[1]] + clusters[c].apart);
+        body(begin / kClusterGrain, pair, before, before + way[t[0]] + way[t[1]] + clusters[c].apart,
+             clusters[c].apart);
       }
   });
 }

@@ -5,8 +5,11 @@
 
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "solid/box_tree.h"
+#include "solid/contact_pairs.h"
+#include "solid/primitives.h"
 
 namespace wick::solid {
 namespace {
@@ -126,6 +129,102 @@ TEST(BoxTree, FindsTheOverlapsThatAllPairsHave) {
       next = end;
     });
     EXPECT_EQ(next, static_cast<std::size_t>(count));
+  }
+}
+
+using PairKey = std::tuple<FeaturePair, std::int32_t, std::int32_t, std::int32_t, std::int32_t>;
+PairKey key_of(FeaturePair kind, std::array<std::int32_t, 4> v) {
+  if (kind == FeaturePair::vertex_triangle) {
+    std::sort(v.begin() + 1, v.end());
+  } else {
+    if (v[0] > v[1]) std::swap(v[0], v[1]);
+    if (v[2] > v[3]) std::swap(v[2], v[3]);
+    if (v[0] > v[2]) v = {v[2], v[3], v[0], v[1]};
+  }
+  return {kind, v[0], v[1], v[2], v[3]};
+}
+
+/// Calls body(kind, vertices) for every pair of features without a common vertex.
+template <class Body>
+void for_all_pairs(const ContactMesh& mesh, Body&& body) {
+  std::set<std::pair<std::int32_t, std::int32_t>> edges;
+  for (const Int3& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) edges.insert(std::minmax(t[k], t[(k + 1) % 3]));
+  for (const Int3& t : mesh.triangles)
+    for (std::int32_t v = 0; v < static_cast<std::int32_t>(mesh.vertex_count()); ++v)
+      if (v != t[0] && v != t[1] && v != t[2])
+        body(FeaturePair::vertex_triangle, std::array<std::int32_t, 4>{v, t[0], t[1], t[2]});
+  for (auto a = edges.begin(); a != edges.end(); ++a)
+    for (auto b = std::next(a); b != edges.end(); ++b)
+      if (a->first != b->first && a->first != b->second && a->second != b->first && a->second != b->second)
+        body(FeaturePair::edge_edge, std::array<std::int32_t, 4>{a->first, a->second, b->first, b->second});
+}
+
+/// The search against all pairs: none that is near is missing, and each is there once; also when only some
+/// triangles are searched anew after they have moved.
+TEST(PairFinder, FindsWhatAllPairsHold) {
+  constexpr double kReach = 0.004, kFar = 0.05, kHalf = 0.001;
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const ShellMesh sheets[2] = {build_mesh(rectangle(13, 12, {0.2, 0.2})), build_mesh(rectangle(9, 14, {0.2, 0.2}))};
+  const ContactMesh mesh =
+      join_sheets(std::vector<const ShellMesh*>{&sheets[0], &sheets[1]}, std::vector<double>{kHalf, kHalf});
+  ASSERT_GT(mesh.cluster_count(), 4U);
+  std::vector<Row> x;
+  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
+    const Vec3 p = mesh.rest[i] + 0.01 * Vec3(uniform(random), uniform(random), uniform(random));
+    x.push_back({p.x(), p.y(), p.z() + 0.01 * mesh.sheet[i], 1.0});
+  }
+  const std::size_t triangles = mesh.triangles.size(), count = mesh.cluster_count();
+  ContactBase base;
+  base.corner.resize(3 * triangles);
+  base.reach.assign(triangles, kReach);
+  base.travelled.assign(triangles, 0.0);
+  base.drifted.assign(count, Vec3::Zero());
+  base.drift.assign(count, Vec3::Zero());
+  base.triangle_marked.assign(triangles, 1);
+  base.cluster_marked.assign(count, 1);
+  PairFinder finder(mesh);
+  std::vector<ClusterPair> clusters;
+  for (int again = 0; again < 3; ++again) {
+    for (std::size_t t = 0; t < triangles; ++t)
+      for (int k = 0; k < 3 && base.triangle_marked[t] != 0; ++k) base.corner[3 * t + k] = x[mesh.triangles[t][k]];
+    finder.place_boxes(base);
+    if (again == 0) {
+      finder.pair_clusters(kFar, clusters);
+      base.pair_marked.assign(clusters.size(), 2);
+    }
+    finder.search(base, clusters);
+    std::set<PairKey> found;
+    for (const ClusterPair& c : clusters)
+      for (const ContactPair& pair : c.pairs) {
+        EXPECT_TRUE(found.insert(key_of(pair.kind, pair.vertex)).second);
+        const double distance = closest(pair.kind, points(x, pair.vertex)).distance;
+        const double gone = base.travelled[pair.triangle[0]] + base.travelled[pair.triangle[1]];
+        EXPECT_LE(pair.allowance - gone, distance - pair.keep + 1e-12) << "it must be looked at before it is near";
+      }
+    std::size_t near = 0;
+    for_all_pairs(mesh, [&](FeaturePair kind, const std::array<std::int32_t, 4>& v) {
+      // What moved by half its reach and was not searched anew may have come nearer by as much.
+      if (closest(kind, points(x, v)).distance >= 2.0 * kHalf + (again == 0 ? 2.0 : 1.0) * kReach) return;
+      ++near;
+      EXPECT_TRUE(found.count(key_of(kind, v)) != 0);
+    });
+    EXPECT_GT(near, 500U);
+    // Half of the vertices move by up to half the reach; triangles with one of them are searched anew, but for
+    // some.
+    for (std::size_t i = 0; i < x.size(); i += 2) {
+      const Vec3 way = 0.5 * kReach / std::sqrt(3.0) * Vec3(uniform(random), uniform(random), uniform(random));
+      x[i] = {x[i].x + way.x(), x[i].y + way.y(), x[i].z + way.z(), 1.0};
+    }
+    for (double& travelled : base.travelled) travelled += 0.5 * kReach;
+    std::fill(base.cluster_marked.begin(), base.cluster_marked.end(), std::uint8_t{0});
+    for (std::size_t t = 0; t < triangles; ++t) {
+      // Once left out, twice moved: then it has to be searched.
+      base.triangle_marked[t] = again == 1 || t % 3 != 0 ? 1 : 0;
+      base.cluster_marked[mesh.cluster[t]] |= base.triangle_marked[t];
+    }
+    for (std::uint8_t& marked : base.pair_marked) marked = 1;
   }
 }
 
