@@ -14,7 +14,9 @@ namespace wick::solid {
 namespace {
 
 constexpr std::size_t kNearGrain = 256;
-/// Overlap from before the substep is taken out by this part of the thickness a substep, so that it makes no speed.
+/// Overlap from before the substep is taken out by at most this part of the thickness a substep, which bounds the
+/// speed that it makes. Less, and stacks sink: they rest on the overlap that each substep leaves and the next takes
+/// out.
 constexpr double kRecovery = 0.3;
 /// Sums of ways over many substeps are as good as this.
 constexpr double kRounding = 1.0 + 1e-9;

@@ -58,7 +58,7 @@ struct SheetContact::Impl {
   void sort_by_color();
   void push(NearPair& near, std::vector<Row>& x, std::vector<std::uint8_t>& touched) const;
 
-  // certify.cpp: proof that nothing passed through, and zones where there is none.
+  // sheet_contact_certify.cpp: proof that nothing passed through, and zones where there is none.
   [[nodiscard]] bool certain(const ContactPair& pair, const Separation& at_start, const std::vector<Row>& x) const;
   void find_uncertain(const std::vector<Row>& x, const std::vector<std::uint8_t>* marked);
   void push_uncertain(std::vector<Row>& x, std::vector<std::uint8_t>& touched);
@@ -80,7 +80,7 @@ struct SheetContact::Impl {
   // How far things have come, and get in this substep. Ways are added up, so that they bound the distance between
   // any two moments.
   ContactBase base;
-  bool found = false;       ///< clusters have been paired in this step
+  bool found = false;       ///< clusters are paired, for where things are now
   double far = 0.0;         ///< clusters that are not paired were farther apart [m]
   std::vector<double> way;  ///< of each triangle against its cluster in this substep [m]
 
