@@ -89,7 +89,8 @@ double estimated_vertices(const ShellSection& shell, const WorldParams& p) {
 std::vector<MemoryShare> world_memory(const WorldParams& p) {
   // Bytes a cell: state 36, walls 28, advection and solver work arrays about 160 (measured on the bundled scenes,
   // the densest of them a sheet in 128^3). A mesh of an obstacle is there as bytes, points and faces, twice.
-  constexpr double kPerCell = 228.0, kProgram = 90e6, kPerFileByte = 5.0;
+  // Contact takes most of its bytes a vertex where a sheet falls into a heap.
+  constexpr double kPerCell = 228.0, kProgram = 90e6, kPerFileByte = 5.0, kContactPerVertex = 4000.0;
   std::vector<MemoryShare> shares{{"", kProgram, ""}};
   if (p.smoke) {
     const Int3& n = p.smoke->resolution;
@@ -98,6 +99,7 @@ std::vector<MemoryShare> world_memory(const WorldParams& p) {
   for (std::size_t n = 0; n < p.shells.size(); ++n) {
     const std::string pointer = "/shells/" + std::to_string(n);
     shares.push_back(mesh_memory(p.shells[n], pointer, p));
+    if (p.contact) shares.back().bytes += kContactPerVertex * estimated_vertices(p.shells[n], p);
     const MotionTrack* track = p.shells[n].motion.track.get();
     if (!track) continue;
     MemoryShare share{pointer + "/motion/file", 0.0, "record fewer frames, or a coarser sheet"};
