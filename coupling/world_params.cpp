@@ -167,7 +167,11 @@ void describe(ParameterVisitor& v, WorldParams& p) {
   v.vector({"gravity", "m/s2", between(-1e4, 1e4), "acceleration of everything", OnResume::may_change}, p.gravity);
   v.list("shells", "thin sheets", p.shells);
   v.list("obstacles", "rigid bodies", p.obstacles);
-  v.section("contact", "sheets do not pass through themselves and each other; absent: they do", p.contact);
+  v.section("contact",
+            "sheets do not pass through themselves and each other, all in as many substeps as the one that asks "
+            "for most; "
+            "absent: they do",
+            p.contact);
   v.section("smoke", "gas that carries smoke and heat; absent: no gas is simulated", p.smoke);
   v.section("diffusion", "heat on the sheets; absent: sheets carry none", p.diffusion);
   v.only(p.diffusion.has_value(), "there is no diffusion section",

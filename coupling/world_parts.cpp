@@ -90,7 +90,7 @@ std::vector<MemoryShare> world_memory(const WorldParams& p) {
   // Bytes a cell: state 36, walls 28, advection and solver work arrays about 160 (measured on the bundled scenes,
   // the densest of them a sheet in 128^3). A mesh of an obstacle is there as bytes, points and faces, twice.
   // Contact takes most of its bytes a vertex where a sheet falls into a heap.
-  constexpr double kPerCell = 228.0, kProgram = 90e6, kPerFileByte = 5.0, kContactPerVertex = 4000.0;
+  constexpr double kPerCell = 228.0, kProgram = 90e6, kPerFileByte = 5.0, kContactPerVertex = 6000.0;
   std::vector<MemoryShare> shares{{"", kProgram, ""}};
   if (p.smoke) {
     const Int3& n = p.smoke->resolution;
