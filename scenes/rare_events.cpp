@@ -84,7 +84,9 @@ std::vector<std::string> rare_events(const Metrics& metrics, const std::map<std:
         steps));
   if (const long long pairs = total_count(metrics, "/forced_contacts"); pairs > 0)
     found.push_back(
-        fmt::format("pins or driven sheets forced sheets through each other ({} times): change their ways", pairs));
+        fmt::format("contact could not keep sheets apart ({} times): what is held, driven or pinned forced them "
+                    "through each other",
+                    pairs));
   if (const long long steps = total_count(metrics, "/lengthened_steps"); steps > 0)
     found.push_back(fmt::format(
         "{} steps were longer than asked (/coupling/max_substeps cut them off): raise it, or shorten the frame",

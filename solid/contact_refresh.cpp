@@ -46,14 +46,13 @@ void SheetContact::Impl::choose_drift(const std::vector<Row>& x) {
   });
 }
 
-/// How far a triangle is at x from where it was searched, against its cluster.
-double SheetContact::Impl::way_from_base(const std::vector<Row>& x, std::int32_t t) const {
-  const std::int32_t c = mesh.cluster[t];
-  const Lanes moved = lanes(base.drifted[c]) + lanes(base.drift[c]);
+/// How far a triangle is at the start of the substep from where it was searched, against its cluster.
+double SheetContact::Impl::way_from_base(std::int32_t t) const {
+  const Lanes drifted = lanes(base.drifted[mesh.cluster[t]]);
   double farthest2 = 0.0;
   for (int k = 0; k < 3; ++k) {
     const Lanes corner = load_lanes(&base.corner[3 * t + k]);
-    farthest2 = std::max(farthest2, square(load_lanes(&x[mesh.triangles[t][k]]) - corner - moved));
+    farthest2 = std::max(farthest2, square(load_lanes(&start[mesh.triangles[t][k]]) - corner - drifted));
   }
   return std::sqrt(farthest2);
 }
@@ -74,9 +73,8 @@ bool SheetContact::Impl::measure_ways(const std::vector<Row>& x) {
       base.triangle_marked[t] = 0;
       if (base.travelled[t] + way[t] <= base.until[t]) continue;
       // What trembles has gone far and got nowhere.
-      const double room = base.reach[t] - way_from_base(x, t);
-      base.until[t] = base.travelled[t] + way[t] + room;
-      base.triangle_marked[t] = room < 0.0 ? 1 : 0;
+      base.until[t] = base.travelled[t] + base.reach[t] - way_from_base(t);
+      base.triangle_marked[t] = base.travelled[t] + way[t] > base.until[t] ? 1 : 0;
       any |= base.triangle_marked[t];
     }
     base.cluster_marked[c] = any;
@@ -87,11 +85,13 @@ bool SheetContact::Impl::measure_ways(const std::vector<Row>& x) {
   return std::any_of(base.cluster_marked.begin(), base.cluster_marked.end(), [](std::uint8_t m) { return m != 0; });
 }
 
-/// Whether clusters that are not paired may have met.
+/// Whether clusters that are not paired may come near each other in this substep.
 bool SheetContact::Impl::clusters_too_far() const {
-  const Vec3 common = mean(base.drifted) + mean(base.drift);
-  for (std::size_t c = 0; c < mesh.cluster_count(); ++c)
-    if ((base.drifted[c] + base.drift[c] - common).norm() + finder.outgrown(c) > 0.5 * far) return true;
+  const Vec3 before = mean(base.drifted), now = mean(base.drift);
+  for (std::size_t c = 0; c < mesh.cluster_count(); ++c) {
+    const double gone = (base.drifted[c] - before).norm() + (base.drift[c] - now).norm();
+    if (gone + finder.outgrown(c) > 0.5 * far) return true;
+  }
   return false;
 }
 
@@ -100,9 +100,8 @@ bool SheetContact::Impl::clusters_too_far() const {
 bool SheetContact::Impl::mark_pairs_out_of_budget() {
   parallel_for(clusters.size(), kGrain, [&](std::size_t k) {
     const ClusterPair& p = clusters[k];
-    const Vec3 first = base.drifted[p.first] + base.drift[p.first];
-    const Vec3 second = base.drifted[p.second] + base.drift[p.second];
-    const bool out = p.first != p.second && (first - second - p.shift).squaredNorm() > p.budget * p.budget;
+    const double gone = (base.drifted[p.first] - base.drifted[p.second] - p.shift).norm() + p.apart;
+    const bool out = p.first != p.second && gone > p.budget;
     const bool holds = base.cluster_marked[p.first] != 0 || base.cluster_marked[p.second] != 0;
     base.pair_marked[k] = out ? 2 : (holds ? 1 : 0);
   });
@@ -152,13 +151,12 @@ void SheetContact::Impl::pair_clusters() {
 bool SheetContact::Impl::refresh(const std::vector<Row>& x) {
   base.ahead = kAheadMargin * std::min(substeps_left, kMostAhead);
   const bool out_of_reach = measure_ways(x);
-  const bool from_nothing = !found || clusters_too_far();
-  if (from_nothing) {
+  if (found && out_of_reach) rebase_marked();
+  if (!found || clusters_too_far()) {
     pair_clusters();
     ++report.refreshes;
-  } else {
-    if (out_of_reach) rebase_marked();
-    if (!mark_pairs_out_of_budget()) return false;
+  } else if (!mark_pairs_out_of_budget()) {
+    return false;
   }
   forget_near();
   finder.search(base, clusters);

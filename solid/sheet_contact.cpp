@@ -14,10 +14,10 @@ namespace wick::solid {
 namespace {
 
 constexpr std::size_t kNearGrain = 256;
-/// Overlap from before the substep is taken out by at most this part of the thickness a substep, which bounds the
-/// speed that it makes. Less, and stacks sink: they rest on the overlap that each substep leaves and the next takes
+/// Overlap from before the substep is taken out at this speed at most [m/s], and by at most this part of the
+/// thickness a substep. Less, and stacks sink: they rest on the overlap that each substep leaves and the next takes
 /// out.
-constexpr double kRecovery = 0.3;
+constexpr double kRecoverySpeed = 0.3, kRecovery = 0.3;
 /// Sums of ways over many substeps are as good as this.
 constexpr double kRounding = 1.0 + 1e-9;
 /// No vertex is moved by more than this times what its pair lacks: beside a held one it would be a lever.
@@ -114,13 +114,16 @@ void SheetContact::Impl::find_near(const std::vector<Row>& x) {
   for (std::vector<NearPair>& here : near_found) here.clear();
   for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after, double apart) {
     if (after * kRounding < pair.allowance || !moves(pair)) return;
-    const Separation s = closest(pair.kind, points(start, pair.vertex));
+    const std::array<Vec3, 4> from = points(start, pair.vertex);
+    const Separation s = closest(pair.kind, from);
     pair.allowance = before + s.distance - pair.keep;
     // From what moves in this substep alone, so that which pairs are near does not depend on the steps before.
     if (way[pair.triangle[0]] + way[pair.triangle[1]] + apart < s.distance - pair.keep) return;
     const Separation along = way_to_push(pair, s, x);
+    const bool touches = touch(s.distance, from);
+    const double recovered = s.distance + std::min(kRecovery * pair.keep, most_recovery);
     near_found[chunk].push_back(
-        {&pair, s, along, role_of(mesh, pair, along), std::min(pair.keep, s.distance + kRecovery * pair.keep)});
+        {&pair, s, along, touches ? PushRole::none : role_of(mesh, pair, along), std::min(pair.keep, recovered)});
   });
   for (const std::vector<NearPair>& here : near_found) near.insert(near.end(), here.begin(), here.end());
   for (std::size_t k = 0; k < near.size(); ++k) near[k].pair->near = static_cast<std::int32_t>(k);
@@ -197,12 +200,13 @@ SheetContact::~SheetContact() = default;
 SheetContact::SheetContact(SheetContact&&) noexcept = default;
 SheetContact& SheetContact::operator=(SheetContact&&) noexcept = default;
 
-void SheetContact::begin_step(const std::vector<Row>& x, int substeps) {
+void SheetContact::begin_step(const std::vector<Row>& x, double dt, int substeps) {
   assert(x.size() == impl_->mesh.vertex_count());
   const auto same_place = [](const Row& a, const Row& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
   impl_->found &= std::equal(x.begin(), x.end(), impl_->start.begin(), impl_->start.end(), same_place);
   impl_->start = x;
   impl_->substeps_left = substeps;
+  impl_->most_recovery = kRecoverySpeed * dt / substeps;
   impl_->report = {};
 }
 

@@ -43,11 +43,12 @@ bool Zones::join(std::int32_t a, std::int32_t b) {
 }
 
 /// Whether the features keep their distance on the straight way from the start of the substep to x: a plane that
-/// separates them at both ends does so in between.
+/// separates them at both ends does so in between. Features that touch from the start cannot cross any more.
 bool SheetContact::Impl::certain(const ContactPair& pair, const Separation& at_start,
                                  const std::vector<Row>& x) const {
-  const double least = required_distance(at_start.distance, pair.keep);
   const std::array<Vec3, 4> to = points(x, pair.vertex);
+  if (touch(at_start.distance, to)) return true;
+  const double least = required_distance(at_start.distance, pair.keep);
   if (gap_along(pair.kind, to, at_start.direction) >= least) return true;
   const Separation at_end = closest(pair.kind, to);
   if (!(at_end.distance >= least)) return false;
@@ -61,7 +62,7 @@ void SheetContact::Impl::find_uncertain(const std::vector<Row>& x, const std::ve
   uncertain_found.resize((clusters.size() + kClusterGrain - 1) / kClusterGrain);
   for (std::vector<ContactPair*>& here : uncertain_found) here.clear();
   for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after, double) {
-    if (after * kRounding < pair.allowance || pair.given_up || !moves(pair)) return;
+    if (after * kRounding < pair.allowance || pair.given_up) return;
     if (marked != nullptr &&
         std::none_of(pair.vertex.begin(), pair.vertex.end(), [&](std::int32_t v) { return (*marked)[v] != 0; }))
       return;
@@ -78,6 +79,20 @@ void SheetContact::Impl::find_uncertain(const std::vector<Row>& x, const std::ve
     uncertain.insert(uncertain.end(), here.begin(), here.end());
 }
 
+/// Gives up the pairs at fault of which nothing can be moved.
+void SheetContact::Impl::give_up_held() {
+  std::erase_if(uncertain, [&](ContactPair* pair) {
+    if (moves(*pair)) return false;
+    give_up(*pair);
+    return true;
+  });
+}
+
+void SheetContact::Impl::give_up(ContactPair& pair) {
+  pair.given_up = any_given_up = true;
+  ++report.impossible;
+}
+
 /// The pairs at fault once more, one after the other.
 void SheetContact::Impl::push_uncertain(std::vector<Row>& x, std::vector<std::uint8_t>& touched) {
   std::vector<NearPair> faulty;
@@ -92,13 +107,11 @@ void SheetContact::Impl::push_uncertain(std::vector<Row>& x, std::vector<std::ui
 /// Joins the vertices of each pair at fault. A pair that moved as one already, but for what is held, cannot be
 /// helped.
 void SheetContact::Impl::grow_zones() {
-  for (ContactPair* pair : uncertain) {
-    pair->given_up = std::all_of(pair->vertex.begin(), pair->vertex.end(), [&](std::int32_t v) {
-      return in_zone[v] != 0 && zones.find(v) == zones.find(pair->vertex[0]);
-    });
-    report.impossible += pair->given_up ? 1 : 0;
-    any_given_up |= pair->given_up;
-  }
+  for (ContactPair* pair : uncertain)
+    if (std::all_of(pair->vertex.begin(), pair->vertex.end(), [&](std::int32_t v) {
+          return in_zone[v] != 0 && zones.find(v) == zones.find(pair->vertex[0]);
+        }))
+      give_up(*pair);
   for (const ContactPair* pair : uncertain)
     for (const std::int32_t v : pair->vertex) {
       zones.join(pair->vertex[0], v);
@@ -108,25 +121,22 @@ void SheetContact::Impl::grow_zones() {
 
 /// Each zone keeps its momentum, or follows what is held in it.
 void SheetContact::Impl::move_zones(std::vector<Row>& x, std::vector<std::uint8_t>& touched) {
-  struct Motion {
-    double mass = 0.0, held = 0.0;
-    Vec3 moved = Vec3::Zero(), carried = Vec3::Zero();
-  };
-  std::vector<std::int32_t> members;
+  zone_members.clear();
   for (std::size_t i = 0; i < x.size(); ++i)
-    if (in_zone[i] != 0) members.push_back(static_cast<std::int32_t>(i));
-  std::vector<Motion> motion(x.size());
-  for (const std::int32_t i : members) {
-    Motion& m = motion[zones.find(i)];
-    const Vec3 moved = point(x[i]) - point(start[i]);
+    if (in_zone[i] != 0) zone_members.push_back(static_cast<std::int32_t>(i));
+  zone_motion.resize(x.size());
+  for (const std::int32_t i : zone_members) zone_motion[i] = {};
+  for (const std::int32_t i : zone_members) {
+    ZoneMotion& m = zone_motion[zones.find(i)];
+    const Vec3 way_of_one = point(x[i]) - point(start[i]);
     if (x[i].w > 0.0)
-      m.mass += 1.0 / x[i].w, m.moved += moved / x[i].w;
+      m.mass += 1.0 / x[i].w, m.moved += way_of_one / x[i].w;
     else
-      m.held += 1.0, m.carried += moved;
+      m.held += 1.0, m.carried += way_of_one;
   }
-  for (const std::int32_t i : members) {
+  for (const std::int32_t i : zone_members) {
     if (!(x[i].w > 0.0)) continue;
-    const Motion& m = motion[zones.find(i)];
+    const ZoneMotion& m = zone_motion[zones.find(i)];
     const Vec3 to = point(start[i]) + (m.held > 0.0 ? Vec3(m.carried / m.held) : Vec3(m.moved / m.mass));
     x[i].x = to.x(), x[i].y = to.y(), x[i].z = to.z();
     touched[i] = 1;
@@ -140,6 +150,7 @@ void SheetContact::certify(std::vector<Row>& x, std::vector<std::uint8_t>& touch
   for (int round = 0;; ++round) {
     const bool anew = s.refresh(x);
     s.find_uncertain(x, round == 0 || anew ? nullptr : &moved);
+    s.give_up_held();
     if (s.uncertain.empty()) break;
     ++s.report.rounds;
     std::fill(moved.begin(), moved.end(), std::uint8_t{0});

@@ -1,5 +1,7 @@
 #pragma once
 /// What is inside SheetContact. Included by sheet_contact*.cpp only.
+#include <limits>
+
 #include "core/parallel.h"
 #include "solid/sheet_contact.h"
 
@@ -18,6 +20,13 @@ struct NearPair {
   double pushed = 0.0;  ///< sum of corrections along the direction [m]
   double braked = 0.0;  ///< and across it, against sliding
 };
+
+/// Features so near that rounding decides on which side they are: they touch.
+inline bool touch(double distance, const std::array<Vec3, 4>& x) {
+  double largest = 0.0;
+  for (const Vec3& p : x) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  return distance <= 8.0 * std::numeric_limits<double>::epsilon() * largest;
+}
 
 /// Sets of vertices that move as one.
 class Zones {
@@ -41,7 +50,7 @@ struct SheetContact::Impl {
 
   // contact_refresh.cpp: how far things move, and which pairs are watched.
   void choose_drift(const std::vector<Row>& x);
-  [[nodiscard]] double way_from_base(const std::vector<Row>& x, std::int32_t t) const;
+  [[nodiscard]] double way_from_base(std::int32_t t) const;
   bool measure_ways(const std::vector<Row>& x);
   bool refresh(const std::vector<Row>& x);
   [[nodiscard]] bool clusters_too_far() const;
@@ -62,6 +71,8 @@ struct SheetContact::Impl {
   [[nodiscard]] bool certain(const ContactPair& pair, const Separation& at_start, const std::vector<Row>& x) const;
   void find_uncertain(const std::vector<Row>& x, const std::vector<std::uint8_t>* marked);
   void push_uncertain(std::vector<Row>& x, std::vector<std::uint8_t>& touched);
+  void give_up_held();
+  void give_up(ContactPair& pair);
   void grow_zones();
   void join_all();
   void move_zones(std::vector<Row>& x, std::vector<std::uint8_t>& touched);
@@ -76,6 +87,7 @@ struct SheetContact::Impl {
   std::vector<Row> start;  ///< certified positions at the start of the substep, and inverse masses
   std::vector<Row> step;   ///< way of each vertex in this substep [m]
   int substeps_left = 1;
+  double most_recovery = 0.0;  ///< overlap that a substep takes out at most [m]
 
   // How far things have come, and get in this substep. Ways are added up, so that they bound the distance between
   // any two moments.
@@ -97,6 +109,12 @@ struct SheetContact::Impl {
   std::vector<ContactPair*> uncertain;  ///< pairs whose motion is not proven
   Zones zones;
   std::vector<std::uint8_t> in_zone;  ///< per vertex
+  struct ZoneMotion {
+    double mass = 0.0, held = 0.0;  ///< [kg], number of held vertices
+    Vec3 moved = Vec3::Zero(), carried = Vec3::Zero();
+  };
+  std::vector<std::int32_t> zone_members;
+  std::vector<ZoneMotion> zone_motion;  ///< at the vertex that stands for a zone
   bool any_given_up = false;
 };
 

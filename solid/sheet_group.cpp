@@ -87,7 +87,7 @@ std::vector<ShellStepReport> step_together(std::span<GroupedSheet> sheets, Sheet
     if (s.solver != nullptr) s.solver->begin(*s.state, *s.loads, dt, substeps);
   Rows rows(sheets);
   gather_rows(sheets, 0.0, rows);
-  contact.begin_step(rows.x, substeps);
+  contact.begin_step(rows.x, dt, substeps);
   for (int k = 0; k < substeps; ++k) {
     const double share = (k + 1.0) / substeps;
     for (const GroupedSheet& s : sheets)

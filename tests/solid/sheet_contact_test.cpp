@@ -118,6 +118,51 @@ TEST(SheetContact, FrictionHoldsAndBrakesAsCoulombSays) {
   }
 }
 
+/// A sheet held at two edges is pushed into one that is held all round: both stretch, nothing passes through, also
+/// where hardly a substep resolves the motion. From every frame on with a contact made anew: the same bits.
+TEST(SheetContact, SheetsThatPinsPressTogetherStayApart) {
+  for (const int substeps : {5, 60}) {
+    std::uint64_t hash[2];
+    for (const bool interrupted : {false, true}) {
+      Group group;
+      ShellParams p;
+      p.substeps = substeps;
+      Sheet& lower = group.add(rectangle(10, 12, {0.3, 0.3}), p);
+      Sheet& upper = group.add(moved(rectangle(8, 9, {0.2, 0.2}), Mat3::Identity(), Vec3(0.05, 0.06, 0.05)), p);
+      lower.pin_where([](const Vec3& x) { return std::min({x.x(), x.y(), 0.3 - x.x(), 0.3 - x.y()}) < 1e-6; });
+      upper.pin_where([](const Vec3& x) { return std::min(x.x() - 0.05, 0.25 - x.x()) < 1e-6; });
+      const std::vector<Vec3> from = upper.pins.target;
+      for (int n = 1; n <= 8; ++n) {
+        for (std::size_t k = 0; k < from.size(); ++k) upper.pins.target[k] = from[k] - Vec3(0, 0, n / 24.0);
+        if (interrupted) group.contact.reset();
+        group.step(1.0 / 24.0);
+        ASSERT_EQ(group.crossings(), 0U) << substeps << " substeps, frame " << n;
+      }
+      StateHash digest;
+      for (const auto& sheet : group.sheets) visit(digest, sheet->state);
+      hash[interrupted ? 1 : 0] = digest.digest();
+    }
+    EXPECT_EQ(hash[0], hash[1]) << substeps << " substeps";
+  }
+}
+
+/// Sheets that start inside of each other's thickness come apart slowly, however short the substeps.
+TEST(SheetContact, OverlapMakesLittleSpeed) {
+  for (const int substeps : {20, 400}) {
+    Group group;
+    ShellParams p = cotton();
+    p.air_drag = 0.0;
+    p.substeps = substeps;
+    group.add(equilateral(12, 12, 0.02), p);
+    group.add(moved(equilateral(12, 12, 0.02), Mat3::Identity(), Vec3(0.01, 0.013, 1e-5)), p);
+    for (int n = 0; n < 10; ++n) {
+      group.step(kFrame);
+      ASSERT_EQ(group.crossings(), 0U);
+      for (const auto& sheet : group.sheets) EXPECT_LT(energy_of_motion(*sheet), 0.5 * mass(*sheet) * 0.3 * 0.3);
+    }
+  }
+}
+
 /// The same bits at one and two threads, and from a state with a contact made anew.
 TEST(SheetContact, SameBitsAtOneAndTwoThreadsAndFromAState) {
   const auto run = [](int threads, bool interrupted) {
@@ -159,6 +204,23 @@ TEST(SheetContact, TellsWhatDrivenSheetsForce) {
     ASSERT_TRUE(group.finite());
   }
   EXPECT_GT(impossible, 0U);
+}
+
+/// Two driven sheets that go through each other can only be told of; sheets that coincide from the start stay so.
+TEST(SheetContact, WhatCannotMoveOrTouchesIsLeftAlone) {
+  Group driven;
+  driven.add(equilateral(9, 9, 0.01), cotton(), false);
+  Sheet& other =
+      driven.add(moved(equilateral(9, 9, 0.01), Mat3::Identity(), Vec3(0.001, 0.002, 0.004)), cotton(), false);
+  for (Vec3& v : other.state.v) v = Vec3(0, 0, -0.5);
+  driven.step(kFrame);
+  EXPECT_GT(driven.contact->report().impossible, 0U);
+
+  Group coincident;
+  for (int k = 0; k < 2; ++k) coincident.add(equilateral(9, 9, 0.01), cotton());
+  for (int n = 0; n < 5; ++n) coincident.step(kFrame);
+  EXPECT_EQ(coincident.contact->report().impossible, 0U);
+  for (const auto& sheet : coincident.sheets) EXPECT_LT(energy_of_motion(*sheet), 1e-12);
 }
 
 /// Sheets far apart, no triangles, one triangle, a pinned pair: nothing to do, done.
