@@ -279,9 +279,10 @@ void PairFinder::find_hits(std::int32_t cluster, const Bounds& across, std::int3
     hits.fill(0);
     return;
   }
+  const auto below = [&](int k, std::size_t o) { return static_cast<unsigned>(theirs[k][o] <= seen[k]); };
   for (std::size_t o = 0; o < hits.size(); ++o)
-    hits[o] = (theirs[0][o] <= seen[0]) & (theirs[1][o] <= seen[1]) & (theirs[2][o] <= seen[2]) &
-              (theirs[3][o] <= seen[3]) & (theirs[4][o] <= seen[4]) & (theirs[5][o] <= seen[5]);
+    hits[o] = static_cast<std::uint8_t>(below(0, o) & below(1, o) & below(2, o) & below(3, o) & below(4, o) &
+                                        below(5, o));
 }
 
 /// Triangles of one cluster against those of the other side by side, each pair of them once: all, or those with a
