@@ -19,8 +19,6 @@ constexpr double kRestShare = 0.5;
 /// Drift of a pair of clusters that is searched for at least, in mean edges. More would watch many pairs that never
 /// meet, which costs more than searching again.
 constexpr double kLeastBudget = 0.1;
-/// Of the drift of the substep that is under way: contacts change it yet.
-constexpr double kMargin = 2.0;
 /// Of the room between clusters: nothing is nearer, boxes are rounded.
 constexpr double kRoomShare = 0.9;
 /// Of floats.
@@ -91,6 +89,23 @@ Vec3 vector(const Lanes& p) {
   return {p[0], p[1], p[2]};
 }
 
+/// Whether the features are farther apart than `within` along the line through their middles.
+bool far_along_middles(const std::array<Lanes, 4>& x, int split, double within) {
+  const Lanes first = split == 1 ? x[0] : 0.5 * (x[0] + x[1]);
+  const Lanes second = split == 1 ? (x[1] + x[2] + x[3]) / 3.0 : 0.5 * (x[2] + x[3]);
+  const Lanes axis = first - second;
+  const auto along = [&](const Lanes& p) {
+    const Lanes products = axis * (p - x[0]);
+    return products[0] + products[1] + products[2];
+  };
+  const double one = along(x[1]), two = along(x[2]), three = along(x[3]);
+  const double low = split == 1 ? 0.0 : std::min(0.0, one);
+  const double high = split == 1 ? std::max({one, two, three}) : std::max(two, three);
+  const Lanes squares = axis * axis;
+  const double gap = low - high;
+  return gap > 0.0 && gap * gap > within * within * (squares[0] + squares[1] + squares[2]);
+}
+
 /// Low corner, and the high one with its sign turned, rounded outwards.
 using Bounds = std::array<float, 6>;
 Bounds rounded(const Box& box) {
@@ -115,23 +130,6 @@ ContactMesh join_sheets(std::span<const ShellMesh* const> meshes, std::span<cons
   choose_representatives(all);
   if (lowered != nullptr) *lowered = count;
   return all;
-}
-
-/// Whether the features are farther apart than `within` along the line through their middles.
-bool far_along_middles(const std::array<Lanes, 4>& x, int split, double within) {
-  const Lanes first = split == 1 ? x[0] : 0.5 * (x[0] + x[1]);
-  const Lanes second = split == 1 ? (x[1] + x[2] + x[3]) / 3.0 : 0.5 * (x[2] + x[3]);
-  const Lanes axis = first - second;
-  const auto along = [&](const Lanes& p) {
-    const Lanes products = axis * (p - x[0]);
-    return products[0] + products[1] + products[2];
-  };
-  const double one = along(x[1]), two = along(x[2]), three = along(x[3]);
-  const double low = split == 1 ? 0.0 : std::min(0.0, one);
-  const double high = split == 1 ? std::max({one, two, three}) : std::max(two, three);
-  const Lanes squares = axis * axis;
-  const double gap = low - high;
-  return gap > 0.0 && gap * gap > within * within * (squares[0] + squares[1] + squares[2]);
 }
 
 /// What one pair of clusters looks at.
@@ -246,8 +244,8 @@ void PairFinder::pair_clusters(double far, std::vector<ClusterPair>& clusters) {
   }
 }
 
-/// As far as the clusters drift against each other in some substeps, within bounds; farther where that costs
-/// nothing because there is room between them.
+/// Somewhat farther than the clusters drift against each other in this substep; all of the room between them where
+/// there is some, which costs nothing.
 void PairFinder::choose_budget(const ContactBase& base, ClusterPair& pair) const {
   const std::int32_t a = pair.first, b = pair.second;
   pair.shift = base.drifted[a] - base.drifted[b];
@@ -261,7 +259,7 @@ void PairFinder::choose_budget(const ContactBase& base, ClusterPair& pair) const
     const double below = around_[b][k] - pair.shift[k] + around_[a][k + 3];
     room = std::max({room, above, below});
   }
-  pair.budget = std::max({kLeastBudget * edge, kMargin * drift, kRoomShare * room});
+  pair.budget = std::max({kLeastBudget * edge, kWayMargin * drift, kRoomShare * room});
 }
 
 /// The triangles of a cluster whose boxes overlap one of another cluster; a box overlaps another if none of its

@@ -61,6 +61,9 @@ struct ClusterPair {
   std::vector<ContactPair> pairs = {};
 };
 
+/// What is searched for the substep that is under way, over its ways: contacts change them yet.
+inline constexpr double kWayMargin = 2.0;
+
 /// Where triangles were when they were searched, and how far they may go until they must be searched anew.
 struct ContactBase {
   std::vector<Row> corner;        ///< three a triangle, less the drift of the cluster so far

@@ -12,8 +12,6 @@ constexpr std::size_t kGrain = 2048;
 constexpr int kMostAhead = 20;
 /// Triangles may go at least this part of the mean edge until pairs are found anew.
 constexpr double kLeastReach = 0.05;
-/// Of the ways of the substep that is under way: contacts change them yet.
-constexpr double kMargin = 2.0;
 /// Of the drift that is foreseen: things get faster.
 constexpr double kAheadMargin = 1.25;
 
@@ -120,7 +118,7 @@ void SheetContact::Impl::rebase_marked() {
         base.corner[3 * t + k] = {p.x(), p.y(), p.z(), 0.0};
       }
       const double wanted = std::clamp(base.ahead * way[t], kLeastReach * edge, params.reach * edge);
-      base.reach[t] = std::max(wanted, kMargin * way[t]);
+      base.reach[t] = std::max(wanted, kWayMargin * way[t]);
       base.until[t] = base.travelled[t] + base.reach[t];
     }
   });

@@ -18,8 +18,6 @@ constexpr std::size_t kNearGrain = 256;
 /// thickness a substep. Less, and stacks sink: they rest on the overlap that each substep leaves and the next takes
 /// out.
 constexpr double kRecoverySpeed = 0.3, kRecovery = 0.3;
-/// Sums of ways over many substeps are as good as this.
-constexpr double kRounding = 1.0 + 1e-9;
 /// No vertex is moved by more than this times what its pair lacks: beside a held one it would be a lever.
 constexpr double kMostLever = 2.0;
 
@@ -113,7 +111,7 @@ void SheetContact::Impl::find_near(const std::vector<Row>& x) {
   near_found.resize((clusters.size() + kClusterGrain - 1) / kClusterGrain);
   for (std::vector<NearPair>& here : near_found) here.clear();
   for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after, double apart) {
-    if (after * kRounding < pair.allowance || !moves(pair)) return;
+    if (after * kSumRounding < pair.allowance || !moves(pair)) return;
     const std::array<Vec3, 4> from = points(start, pair.vertex);
     const Separation s = closest(pair.kind, from);
     pair.allowance = before + s.distance - pair.keep;

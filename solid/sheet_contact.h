@@ -26,13 +26,12 @@ struct SheetContactParams {
 void describe(ParameterVisitor& visitor, SheetContactParams& params);
 
 struct SheetContactReport {
-  std::size_t pairs = 0;      ///< that were watched in the last substep
-  std::size_t contacts = 0;   ///< pushed apart in the last substep
-  std::size_t refreshes = 0;  ///< times that clusters were paired
-  std::size_t rounds = 0;     ///< of repair of uncertain motions, summed over substeps
-  std::size_t stopped = 0;    ///< vertices that moved as part of a zone, summed over substeps
-  std::size_t impossible =
-      0;  ///< pairs that what is held or driven forces through each other, summed over substeps
+  std::size_t pairs = 0;       ///< that were watched in the last substep
+  std::size_t contacts = 0;    ///< pushed apart in the last substep
+  std::size_t refreshes = 0;   ///< times that clusters were paired
+  std::size_t rounds = 0;      ///< of repair of uncertain motions, summed over substeps
+  std::size_t stopped = 0;     ///< vertices that moved as part of a zone, summed over substeps
+  std::size_t impossible = 0;  ///< pairs that what is held forces through each other, summed over substeps
 };
 
 class SheetContact {
@@ -43,8 +42,8 @@ class SheetContact {
   SheetContact(SheetContact&&) noexcept;
   SheetContact& operator=(SheetContact&&) noexcept;
 
-  /// The rows of all sheets, one after the other: position and inverse mass, 0 for what is held or driven. These
-  /// are the positions at the start of the first substep.
+  /// For a step of dt [s] in `substeps` parts. The rows of all sheets, one after the other: position at the start
+  /// [m] and inverse mass [1/kg], 0 for what is held or driven.
   void begin_step(const std::vector<Row>& x, double dt, int substeps);
 
   /// Pushes apart what has come too near since the start of the substep. Marks what it moves in `touched`.

@@ -16,8 +16,6 @@ constexpr double kKeptShare = 0.2, kFloor = 1e-3, kKeptBelowFloor = 0.999;
 /// Rounds of pushing before vertices are joined to zones, and of zones before all of them are joined.
 constexpr int kPushRounds = 2, kZoneRounds = 40;
 constexpr int kPushSweeps = 4;
-/// Sums of ways over many substeps are as good as this.
-constexpr double kRounding = 1.0 + 1e-9;
 
 double required_distance(double at_start, double thickness) {
   const double floor = kFloor * thickness, from = std::min(at_start, thickness);
@@ -35,11 +33,9 @@ std::int32_t Zones::find(std::int32_t v) {
   return v;
 }
 
-bool Zones::join(std::int32_t a, std::int32_t b) {
+void Zones::join(std::int32_t a, std::int32_t b) {
   a = find(a), b = find(b);
-  if (a == b) return false;
   parent_[std::max(a, b)] = std::min(a, b);
-  return true;
 }
 
 /// Whether the features keep their distance on the straight way from the start of the substep to x: a plane that
@@ -62,7 +58,7 @@ void SheetContact::Impl::find_uncertain(const std::vector<Row>& x, const std::ve
   uncertain_found.resize((clusters.size() + kClusterGrain - 1) / kClusterGrain);
   for (std::vector<ContactPair*>& here : uncertain_found) here.clear();
   for_pairs([&](std::size_t chunk, ContactPair& pair, double before, double after, double) {
-    if (after * kRounding < pair.allowance || pair.given_up) return;
+    if (after * kSumRounding < pair.allowance || pair.given_up) return;
     if (marked != nullptr &&
         std::none_of(pair.vertex.begin(), pair.vertex.end(), [&](std::int32_t v) { return (*marked)[v] != 0; }))
       return;
@@ -72,7 +68,8 @@ void SheetContact::Impl::find_uncertain(const std::vector<Row>& x, const std::ve
     }
     const Separation at_start = closest(pair.kind, points(start, pair.vertex));
     pair.allowance = before + at_start.distance - pair.keep;
-    if (after * kRounding >= pair.allowance && !certain(pair, at_start, x)) uncertain_found[chunk].push_back(&pair);
+    if (after * kSumRounding >= pair.allowance && !certain(pair, at_start, x))
+      uncertain_found[chunk].push_back(&pair);
   });
   uncertain.clear();
   for (const std::vector<ContactPair*>& here : uncertain_found)

@@ -34,13 +34,14 @@ class Zones {
   explicit Zones(std::size_t count = 0) : parent_(count) { clear(); }
   void clear();
   std::int32_t find(std::int32_t v);
-  /// True if they were two.
-  bool join(std::int32_t a, std::int32_t b);
+  void join(std::int32_t a, std::int32_t b);
 
  private:
   std::vector<std::int32_t> parent_;
 };
 
+/// Sums of ways over many substeps are as good as this.
+inline constexpr double kSumRounding = 1.0 + 1e-9;
 /// Pairs of clusters that one thread takes at a time.
 inline constexpr std::size_t kClusterGrain = 16;
 

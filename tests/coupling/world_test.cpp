@@ -340,7 +340,8 @@ TEST(World, TellsOfSheetsThatPassThroughEachOtherAtTheStart) {
   EXPECT_EQ(World(params).warnings().size(), 1U);
 }
 
-/// A driven sheet lifts a free one that lies on a held one, in gas; everything goes on to the same bits from a state.
+/// A free sheet falls on a held one under a burning one, in gas: none crosses, and all goes on to the same bits
+/// from a state.
 TEST(World, SheetsThatTouchAreStepsOfOneState) {
   WorldParams params = burning_world();
   params.contact.emplace();

@@ -41,7 +41,7 @@ TEST(LongContact, ClothOnABall) {
   Group group;
   falling_cloth(group, 100, 1.0, Vec3(0, 0, 0.02), {{"ball", SphereShape{Vec3(0, 0, -0.25), 0.25}, 0.3}, kFloor});
   run_without_crossings(group, 500);
-  EXPECT_LT(group.sheets[0]->step(0.0).max_speed, 1.0);
+  for (const Vec3& v : group.sheets[0]->state.v) EXPECT_LT(v.norm(), 1.0);
   EXPECT_LT(lowest(*group.sheets[0]), -0.3);
 }
 
