@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kGrain = 2048;
 constexpr const char* kLawNames[] = {"threshold", "arrhenius"};
+constexpr const char* kRimNames[] = {"cut", "whole"};
 
 /// Exact solution over dt of the mass-loss law at frozen theta; never below the ash fraction.
 double fraction_after(double mu, double theta, const BurningParams& p, double ambient, double reference,
@@ -28,12 +29,11 @@ double fraction_after(double mu, double theta, const BurningParams& p, double am
   return p.ash + (mu - p.ash) * std::exp(-rate * dt);
 }
 
-/// How far a place has burnt: 0 virgin, 1 ash.
+}  // namespace
+
 double burnt(double mu, const BurningParams& p) {
   return std::clamp((1.0 - mu) / (1.0 - p.ash), 0.0, 1.0);
 }
-
-}  // namespace
 
 void describe(ParameterVisitor& v, SheetHeatParams& p) {
   v.number({"ambient_temperature", "K", between(1, 5000), "T_amb of a scene without gas; with gas its own is used"},
@@ -65,9 +65,30 @@ void describe(ParameterVisitor& v, BurningParams& p) {
              p.activation_temperature);
   });
   v.number({"ash", "1", between(1e-4, 0.999), "mu_ash: fraction of the mass that does not burn"}, p.ash);
-  v.number({"removal", "1", between(0, 1),
-            "triangles whose vertices all have less mass left fall away as ash; 0: never"},
+  v.number({"removal", "1", between(0, 0.999), "what has less of its mass left falls away as ash; 0: never"},
            p.removal);
+  v.only(p.removal > 0.0, "removal is 0", [&] {
+    v.choice(
+        {"rim", "", any_value(),
+         "cut: the mesh is cut along the contour of removal, once a frame; whole: triangles fall away whole when "
+         "their last corner is below it (always so where motion moves the sheet)"},
+        p.rim, kRimNames);
+    v.only(p.rim == BurntRim::cut, "rim is not cut", [&] {
+      v.number({"rim_snap", "1", between(0.05, 0.45),
+                "vertices nearer to the contour than this share of the sheet's edges are moved onto it instead of "
+                "cutting edges; small values make small triangles"},
+               p.rim_snap);
+    });
+  });
+  v.number({"ember_size", "m", between(0, 1e3),
+            "pieces that hang on nothing and measure less than its square become embers; 0: never",
+            OnResume::may_change},
+           p.ember_size);
+  v.only(p.ember_size > 0.0, "ember_size is 0", [&] {
+    v.number({"ember_life", "s", between(0, 1e6), "after this an ember goes out and is booked as ash",
+              OnResume::may_change},
+             p.ember_life);
+  });
   v.number({"sheet_heat", "1", between(0, 1e3),
             "eta_f: heat kept by the sheet per burnt mass in units of c (T_ref - T_amb); spreads the fire",
             OnResume::may_change},

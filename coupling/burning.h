@@ -30,6 +30,8 @@ struct SheetHeatParams {
 void describe(ParameterVisitor& visitor, SheetHeatParams& params);
 
 enum class MassLoss { threshold, arrhenius };
+/// How ash leaves a sheet: along the contour of `removal`, or in whole triangles.
+enum class BurntRim { cut, whole };
 
 struct BurningParams {
   MassLoss law = MassLoss::threshold;
@@ -38,9 +40,13 @@ struct BurningParams {
   double pre_exponential = 1e6;           ///< A [1/s]
   double activation_temperature = 12000;  ///< T_act [K]
   double ash = 0.08;                      ///< mu_ash: fraction that does not burn
-  double removal = 0.12;                  ///< triangles whose vertices all have mu below this fall away as ash
-  double sheet_heat = 1.6;  ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
-  double gas_heat = 2.0;    ///< heat given to the gas per burnt mass, same unit
+  double removal = 0.12;                  ///< mu_abl: what has less of its mass left falls away as ash
+  BurntRim rim = BurntRim::cut;
+  double rim_snap = 0.3;      ///< see CutSurface::snapping, as a share of the edges
+  double ember_size = 0.006;  ///< free pieces of less than its square become embers [m]; 0: never
+  double ember_life = 4.0;    ///< until an ember goes out [s]
+  double sheet_heat = 1.6;    ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
+  double gas_heat = 2.0;      ///< heat given to the gas per burnt mass, same unit
   double flame_temperature = 2300.0;  ///< adiabatic, of the fuel in air: burning heats gas no further [K]
   double smoke_yield = 0.15;          ///< y_s: smoke per burnt mass; the rest is unseen gas
   double flame_rate = 0.5;            ///< loss of mass that shows as a full flame, as a fraction a second [1/s]
@@ -60,6 +66,9 @@ struct BurningState {
 };
 void visit(StateVisitor& visitor, BurningState& state);
 BurningState make_burning_state(std::size_t vertices);
+
+/// How far a place has burnt that has mu of its mass left: 0 virgin, 1 ash.
+double burnt(double mu, const BurningParams& params);
 
 /// Lets every vertex lose mass for dt at the given theta (V). Returns the fraction lost, V.
 /// `hotter_side` (V, in [-1, 1]; + when the side that the normal points to is hotter) steers the curl.

@@ -22,6 +22,8 @@ void look_at_shell(Finder& finder, const ShellSection& shell, const std::string&
   finder.note(!shell.moves && !shell.velocity.isZero(), pointer + "/velocity", "moves is false");
   finder.note(shell.material.weaken_with_delta && !delta_acts, pointer + "/material/weaken_with_delta",
               "there is no diffusion section with a delta");
+  finder.note(shell.tearing && (!shell.moves || shell.motion.kind != MotionKind::none), pointer + "/tearing",
+              "the sheet is held, or moved by motion");
   for (std::size_t n = 0; n < shell.pins.size(); ++n)
     finder.note(!shell.pins[n].velocity.isZero() && shell.pins[n].stop_time <= 0.0,
                 pointer + "/pins/" + std::to_string(n) + "/velocity", "stop_time is 0, so the pin never moves");
@@ -40,7 +42,7 @@ std::vector<std::string> idle_parameters(const WorldParams& p) {
     finder.note(!p.smoke && p.heat_sources[n].gas_power > 0.0, pointer + "/gas_power", "there is no smoke section");
     finder.note(!p.smoke && p.heat_sources[n].gas_smoke > 0.0, pointer + "/gas_smoke", "there is no smoke section");
   }
-  const double ambient = p.smoke ? p.smoke->ambient_temperature : p.heat.ambient_temperature;
+  const double ambient = p.ambient_temperature();
   for (std::size_t n = 0; n < p.heat_sources.size(); ++n)
     finder.note(p.diffusion && p.heat_sources[n].rate > 0.0 && p.heat_sources[n].temperature <= ambient,
                 "/heat_sources/" + std::to_string(n) + "/temperature",

@@ -10,6 +10,7 @@
 #include "core/number_text.h"
 #include "core/require.h"
 #include "diffusion/porous.h"
+#include "solid/mesh_cut.h"
 #include "solid/mesh_file.h"
 #include "solid/primitives.h"
 
@@ -179,8 +180,7 @@ void start_solvers(Sheet& sheet, const WorldParams& world) {
   sheet.inputs = sheet.base;
   if (sheet.free()) sheet.shell = std::make_unique<solid::ShellSolver>(sheet.mesh, sheet.params.material);
   if (!world.diffusion) return;
-  const double kelvin = world.heat.reference_temperature -
-                        (world.smoke ? world.smoke->ambient_temperature : world.heat.ambient_temperature);
+  const double kelvin = world.temperature_scale();
   sheet.heat_capacity.resize(sheet.mesh.vertex_count());
   for (std::size_t i = 0; i < sheet.heat_capacity.size(); ++i)
     sheet.heat_capacity[i] = sheet.areal_mass * sheet.mesh.vertex_area[i] * world.heat.heat_capacity * kelvin;
@@ -238,7 +238,6 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
   sheet.original = with_pointer(pointer + (from_file ? "/mesh/file" : "/mesh"), [&] {
     return solid::build_mesh(std::move(soup.positions), std::move(soup.material), std::move(soup.triangles));
   });
-  sheet.alive.assign(sheet.original.triangle_count(), 1);
   sheet.mesh = sheet.original;
   sheet.state.x = sheet.mesh.rest;
   sheet.state.v.assign(sheet.mesh.vertex_count(), params.velocity);
@@ -250,7 +249,11 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
     sheet.pins.push_back(build_pin(sheet, params.pins[n], pointer + "/pins/" + std::to_string(n)));
 
   if (world.diffusion) sheet.theta.assign(sheet.mesh.vertex_count(), 0.0);
-  if (world.burning) sheet.burning = make_burning_state(sheet.mesh.vertex_count());
+  if (world.burning) {
+    sheet.burning = make_burning_state(sheet.mesh.vertex_count());
+    sheet.snapping = solid::edge_spacing(sheet.mesh.rest, sheet.mesh.edges);
+    for (double& distance : sheet.snapping) distance *= world.burning->rim_snap;
+  }
   if (world.smoke && world.coupling.scheme == CouplingScheme::partitioned)
     sheet.gas_force.assign(sheet.mesh.vertex_count(), Vec3::Zero());
   start_solvers(sheet, world);
@@ -258,7 +261,8 @@ Sheet build_sheet(const ShellSection& params, const std::string& pointer, const 
 }
 
 void rebuild_topology(Sheet& sheet, const WorldParams& world) {
-  sheet.mesh = solid::without_triangles(sheet.original, sheet.alive);
+  solid::ShellMesh& mesh = sheet.mesh;
+  mesh = solid::rebuild_mesh(std::move(mesh.rest), std::move(mesh.material), std::move(mesh.triangles));
   start_solvers(sheet, world);
   refresh_inputs(sheet, world);
 }
@@ -321,7 +325,15 @@ void follow_motion(Sheet& sheet, double t, double dt) {
 }
 
 void visit(StateVisitor& visitor, Sheet& sheet) {
-  visitor.array("alive", sheet.alive);
+  visitor.array("rest", sheet.mesh.rest);
+  visitor.array("material", sheet.mesh.material);
+  visitor.array("triangles", sheet.mesh.triangles);
+  visitor.array("snapping", sheet.snapping);
+  for (std::size_t n = 0; n < sheet.pins.size(); ++n)
+    visitor.group("pin_" + std::to_string(n), [&visitor, &pin = sheet.pins[n]] {
+      visitor.array("vertices", pin.vertices);
+      visitor.array("start", pin.start);
+    });
   visit(visitor, sheet.state);
   visitor.array("theta", sheet.theta);
   visit(visitor, sheet.burning);

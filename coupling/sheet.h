@@ -33,10 +33,10 @@ struct Sheet {
   ShellSection params;
   double areal_mass = 0.0;  ///< rho t [kg/m2]
 
-  solid::ShellMesh original;        ///< as built
-  std::vector<int> file_number;     ///< of the vertices of a mesh file, see FileMesh; empty: as built
-  std::vector<std::uint8_t> alive;  ///< per original triangle
-  solid::ShellMesh mesh;            ///< the alive triangles, in the order of the original
+  solid::ShellMesh original;     ///< as built
+  std::vector<int> file_number;  ///< of the vertices of a mesh file, see FileMesh; empty: as built
+  solid::ShellMesh mesh;         ///< as it is now; the vertices of the original come first
+  std::vector<double> snapping;  ///< of cuts, see CutSurface, V; empty without burning
   solid::ShellState state;
   solid::ShellInputs base, inputs;  ///< virgin, and as burning has left them
   std::vector<PinSet> pins;
@@ -78,8 +78,8 @@ FileMesh read_mesh_beside_scene(const WorldParams& world, const std::string& fil
 Sheet build_sheet(const ShellSection& params, const std::string& pointer, const WorldParams& world,
                   std::vector<std::string>& warnings);
 
-/// Rebuilds mesh, solvers and inputs of `sheet` after `sheet.alive` has changed (or has been read from a
-/// checkpoint).
+/// Rebuilds solvers, inputs and what the mesh derives after the sheet's triangles and places at rest have changed
+/// (or have been read from a checkpoint).
 void rebuild_topology(Sheet& sheet, const WorldParams& world);
 
 /// Where the pins hold their vertices at time t; pins that have let go hold none.

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "core/require.h"
+#include "coupling/ablation.h"
 #include "coupling/idle_parameters.h"
 #include "coupling/obstacles.h"
 #include "coupling/runaway.h"
+#include "coupling/tearing.h"
 #include "coupling/world_impl.h"
 #include "fluid/smoke_state.h"
 
@@ -16,11 +18,8 @@ namespace wick::coupling {
 World::Impl::Impl(const WorldParams& p) : params(p) {
   check_world(params);
   warnings = idle_parameters(params);
-  if (params.smoke)
-    ambient = params.smoke->ambient_temperature;
-  else
-    ambient = params.heat.ambient_temperature;
-  kelvin = params.heat.reference_temperature - ambient;
+  ambient = params.ambient_temperature();
+  kelvin = params.temperature_scale();
 
   for (std::size_t n = 0; n < params.shells.size(); ++n)
     sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params, warnings));
@@ -68,7 +67,7 @@ double World::Impl::longest_step(double left) const {
   return left / std::max(1.0, std::ceil(left / dt * (1.0 - 1e-9)));
 }
 
-void World::Impl::substep(double dt, FrameReport& report) {
+void World::Impl::substep(double dt, bool last, FrameReport& report) {
   // The frame as the data flows; each line reads what the lines above have left.
   {
     const StageTimer timer(report.seconds, "smoke");
@@ -85,7 +84,9 @@ void World::Impl::substep(double dt, FrameReport& report) {
   {
     const StageTimer timer(report.seconds, "burning");
     react(dt);
-    shed_burnt_triangles();
+    // Once a frame: a new mesh costs what a step does.
+    if (last) shed_ash();
+    move_embers(dt);
   }
   {
     const StageTimer timer(report.seconds, "shell");
@@ -274,37 +275,54 @@ void World::Impl::react(double dt) {
   }
 }
 
-/// Triangles that are ash fall away whole; their mass and heat leave the sheet.
-void World::Impl::shed_burnt_triangles() {
+/// Ash leaves the sheets, and takes its mass and heat along.
+void World::Impl::shed_ash() {
   if (!params.burning) return;
-  for (Sheet& sheet : sheets) {
-    const std::vector<std::uint8_t> keep = unburnt_triangles(sheet.mesh, sheet.burning, *params.burning);
-    const Shed shed = shed_triangles(sheet, keep);
-    if (shed.triangles == 0) continue;
-    ledgers["solid"].book_flow("ash", -shed.mass);
-    rebuild_topology(sheet, params);
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    const Ablated gone = ablate(sheets[s], params, push[s]);
+    if (!gone.any) continue;
+    ledgers["solid"].book_flow("ash", -gone.mass);
+    ledgers["heat"].book_flow("ash", -gone.heat);
+    shed_embers(sheets[s], params, push[s], embers);
     contact.reset();
-    ledgers["heat"].book_flow("ash", -shed.heat);
   }
 }
 
-/// Rest shape, weight and stiffness follow the burning; then XPBD small steps under gravity and the gas's push.
+void World::Impl::move_embers(double dt) {
+  if (!params.burning || embers.size() == 0) return;
+  const std::vector<Vec3> air =
+      gas ? gas_velocity_at(*gas, raster->grid(), embers.x) : wind_at(params, embers.x, time);
+  const EmberLoss lost = step_embers(embers, params, air, obstacles, gas ? &raster->grid() : nullptr, dt);
+  ledgers["solid"].book_flow("ash", -lost.mass);
+  ledgers["heat"].book_flow("ash", -lost.heat);
+  ledgers["heat"].book_flow("loss", -lost.radiated);
+}
+
+/// Rest shape, weight and stiffness follow the burning; then XPBD small steps under gravity and the gas's push, in
+/// parts between which overstrained sheets tear.
 void World::Impl::move_sheets(double dt, FrameReport& report) {
-  if (params.contact) {
-    move_sheets_together(dt, report);
-  } else {
-    for (std::size_t s = 0; s < sheets.size(); ++s) {
-      Sheet& sheet = sheets[s];
-      if (sheet.driven()) follow_motion(sheet, time + dt, dt);
-      refresh_inputs(sheet, params);
-      if (!sheet.shell) continue;
-      const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, time);
-      const solid::Pins pins = pins_at(sheet, time + dt);
-      sheet.report.shell = sheet.shell->step(sheet.state, sheet.mesh,
-                                             {sheet.inputs, pins, obstacles, push[s], air, params.gravity}, dt);
-    }
+  const int parts = tearing_checks(sheets, dt);
+  for (int n = 1; n <= parts; ++n) {
+    const double end = time + dt * n / parts;
+    if (params.contact)
+      move_sheets_together(end, dt / parts, report);
+    else
+      for (std::size_t s = 0; s < sheets.size(); ++s) move_sheet(s, end, dt / parts);
+    for (Obstacle& obstacle : obstacles) obstacle.displacement += dt / parts * obstacle.velocity;
+    for (std::size_t s = 0; s < sheets.size(); ++s)
+      if (tear_sheet(sheets[s], params, push[s]) > 0) contact.reset();
   }
-  for (Obstacle& obstacle : obstacles) obstacle.displacement += dt * obstacle.velocity;
+}
+
+void World::Impl::move_sheet(std::size_t s, double end, double dt) {
+  Sheet& sheet = sheets[s];
+  if (sheet.driven()) follow_motion(sheet, end, dt);
+  refresh_inputs(sheet, params);
+  if (!sheet.shell) return;
+  const std::vector<Vec3> air = gas ? std::vector<Vec3>{} : wind_at(params, sheet.state.x, end - dt);
+  const solid::Pins pins = pins_at(sheet, end);
+  sheet.report.shell =
+      sheet.shell->step(sheet.state, sheet.mesh, {sheet.inputs, pins, obstacles, push[s], air, params.gravity}, dt);
 }
 
 /// States what every part holds now.
@@ -315,8 +333,12 @@ void World::Impl::audit() {
     for (std::size_t i = 0; i < sheet.burning.fraction_left.size(); ++i)
       mass += sheet.areal_mass * sheet.mesh.vertex_area[i] * sheet.burning.fraction_left[i];
   }
-  if (ledgers.contains("solid")) ledgers["solid"].set_stock("sheet", mass);
   if (params.diffusion) ledgers["heat"].set_stock("sheet", heat);
+  if (params.burning) {
+    ledgers["solid"].set_stock("sheet", mass);
+    ledgers["solid"].set_stock("embers", embers.total_mass());
+    ledgers["heat"].set_stock("embers", embers.total_heat());
+  }
   if (!gas) return;
   ledgers["smoke"].set_stock("grid", fluid::total_smoke(*gas, *params.smoke));
   ledgers["heat"].set_stock("gas", fluid::total_heat(*gas, *params.smoke));
@@ -341,7 +363,7 @@ FrameReport World::step(double dt, FunctionRef<bool()> stop) {
       ++report.lengthened_steps;
     }
     const bool last = step >= left * (1.0 - 1e-12);
-    world.substep(step, report);
+    world.substep(step, last, report);
     if (last) world.time = end;
     if (world.time < end && stop()) {
       world.frame_end = end;

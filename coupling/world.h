@@ -10,6 +10,7 @@
 #include "core/ledger.h"
 #include "core/report.h"
 #include "core/state.h"
+#include "coupling/embers.h"
 #include "coupling/world_params.h"
 #include "fluid/smoke.h"
 #include "solid/shell.h"
@@ -42,6 +43,15 @@ struct ShellView {
   const solid::ShellMesh* original = nullptr;  ///< as built: the same vertices, and the triangles lost since
 };
 
+/// Embers as an output writer sees them, one entry each. Pointers are valid until the next step.
+struct EmberView {
+  const std::vector<Vec3>* x = nullptr;
+  const std::vector<Vec3>* v = nullptr;
+  const std::vector<std::int64_t>* id = nullptr;  ///< counts all embers of the run from 0
+  std::vector<float> temperature;                 ///< [K]
+  std::vector<float> radius;                      ///< of a disc as large as the piece [m]
+};
+
 /// Memory that one parameter of a scene asks for.
 struct MemoryShare {
   std::string pointer;  ///< empty: the program itself
@@ -67,6 +77,7 @@ class World {
   [[nodiscard]] const std::vector<std::string>& warnings() const;
   [[nodiscard]] std::vector<std::string> models() const;  ///< shell, diffusion, smoke, burning, ...
   [[nodiscard]] std::vector<ShellView> shells() const;
+  [[nodiscard]] EmberView embers() const;
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const;  ///< where they are now
   [[nodiscard]] const fluid::SmokeState* smoke() const;          ///< null without smoke
   [[nodiscard]] const std::map<std::string, Ledger>& ledgers() const;

@@ -1,5 +1,6 @@
 /// Looking at the world from outside, and saving and restoring it.
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "coupling/world_impl.h"
@@ -52,6 +53,15 @@ std::vector<ShellView> World::shells() const {
   return views;
 }
 
+EmberView World::embers() const {
+  const EmberState& state = impl_->embers;
+  EmberView view{&state.x, &state.v, &state.id, {}, {}};
+  for (const double theta : state.theta)
+    view.temperature.push_back(static_cast<float>(impl_->ambient + impl_->kelvin * theta));
+  for (const double area : state.area) view.radius.push_back(static_cast<float>(std::sqrt(area / M_PI)));
+  return view;
+}
+
 const std::vector<Obstacle>& World::obstacles() const {
   return impl_->obstacles;
 }
@@ -73,6 +83,7 @@ void World::visit(StateVisitor& visitor) {
   for (std::size_t n = 0; n < world.obstacles.size(); ++n)
     visitor.group("obstacle_" + std::to_string(n),
                   [&] { visitor.value("displacement", world.obstacles[n].displacement); });
+  if (world.params.burning) visitor.group("embers", [&] { coupling::visit(visitor, world.embers); });
   if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
   for (auto& [quantity, ledger] : world.ledgers)
     visitor.group("ledger_" + quantity, [&visitor, &ledger = ledger] { ledger.visit(visitor); });

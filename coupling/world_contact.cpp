@@ -37,7 +37,7 @@ void World::Impl::look_for_crossings() {
 }
 
 /// All sheets side by side, those that are held or driven as what the others meet.
-void World::Impl::move_sheets_together(double dt, FrameReport& report) {
+void World::Impl::move_sheets_together(double end, double dt, FrameReport& report) {
   if (!contact) contact = make_contact(sheets, params.contact->sheets);
   const std::size_t count = sheets.size();
   std::vector<std::vector<Vec3>> from(count), air(count);
@@ -48,10 +48,10 @@ void World::Impl::move_sheets_together(double dt, FrameReport& report) {
   for (std::size_t s = 0; s < count; ++s) {
     Sheet& sheet = sheets[s];
     from[s] = sheet.state.x;
-    if (sheet.driven()) follow_motion(sheet, time + dt, dt);
+    if (sheet.driven()) follow_motion(sheet, end, dt);
     refresh_inputs(sheet, params);
-    if (!gas && sheet.shell) air[s] = wind_at(params, sheet.state.x, time);
-    pins[s] = pins_at(sheet, time + dt);
+    if (!gas && sheet.shell) air[s] = wind_at(params, sheet.state.x, end - dt);
+    pins[s] = pins_at(sheet, end);
     loads.push_back({sheet.inputs, pins[s], obstacles, push[s], air[s], params.gravity});
     grouped.push_back({&sheet.mesh, &sheet.state, sheet.shell.get(), &sheet.params.material, &loads[s], &from[s]});
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "coupling/embers.h"
 #include "coupling/exchange.h"
 #include "coupling/heat_sources.h"
 #include "coupling/rasterize.h"
@@ -18,15 +19,17 @@ struct World::Impl {
   explicit Impl(const WorldParams& p);
 
   // One substep, in the order of the data flow.
-  void substep(double dt, FrameReport& report);
+  void substep(double dt, bool last, FrameReport& report);
   void move_gas(double dt, FrameReport& report);
   void relax_push();
   void exchange(double dt);
   void diffuse(double dt, FrameReport& report);
   void react(double dt);
-  void shed_burnt_triangles();
+  void shed_ash();
+  void move_embers(double dt);
   void move_sheets(double dt, FrameReport& report);
-  void move_sheets_together(double dt, FrameReport& report);
+  void move_sheet(std::size_t s, double end, double dt);
+  void move_sheets_together(double end, double dt, FrameReport& report);
   void see_sheets();
   void hand_over();
   void audit();
@@ -47,6 +50,7 @@ struct World::Impl {
   std::vector<Sheet> sheets;
   std::vector<Obstacle> obstacles;
   std::optional<fluid::SmokeState> gas;
+  EmberState embers;
   std::map<std::string, Ledger> ledgers;
   std::optional<double> frame_end;  ///< of the frame that a stop left unfinished [s]
   FrameReport unfinished;           ///< what that frame did so far

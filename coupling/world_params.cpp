@@ -62,6 +62,21 @@ void describe(ParameterVisitor& v, PinParams& p) {
   v.number({"release_time", "s", between(0, kNever), "when the pin lets go"}, p.release_time);
 }
 
+void describe(ParameterVisitor& v, TearingParams& p) {
+  v.number({"strain", "1", above_up_to(0, 100),
+            "largest principal strain that the sheet bears; paper 0.03, cotton 0.15", OnResume::may_change},
+           p.strain);
+  v.number({"scatter", "1", between(0, 0.9), "flaws: by so much strain lies above or below from vertex to vertex"},
+           p.scatter);
+  v.number({"char_strength", "1", between(1e-3, 1),
+            "share of strain that ash bears; falls with the square of the loss", OnResume::may_change},
+           p.char_strength);
+  v.integer({"checks", "1", between(1, 1000),
+             "looks for tears per 1/60 s; a tear runs one edge from one look to the next"},
+            p.checks);
+  v.integer({"seed", "", between(0, 2147483647), "of the flaws"}, p.seed);
+}
+
 void describe(ParameterVisitor& v, ShellSection& p) {
   v.text({"name", "", any_value(), "names the output files; letters, digits, _ . -"}, p.name);
   v.nested("mesh", "where the sheet comes from and how it is placed", p.mesh);
@@ -70,6 +85,7 @@ void describe(ParameterVisitor& v, ShellSection& p) {
   v.vector({"velocity", "m/s", between(-kFast, kFast), "at the start"}, p.velocity);
   v.flag({"moves", "", any_value(), "false: held in place, and no shell solver is built"}, p.moves);
   v.nested("motion", "movement that is given instead of computed; not with pins, velocity or wrinkles", p.motion);
+  v.section("tearing", "the sheet parts where it is stretched too far", p.tearing);
 }
 
 void describe(ParameterVisitor& v, ObstacleParams& p) {

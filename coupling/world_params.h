@@ -49,6 +49,16 @@ struct PinParams {
 };
 void describe(ParameterVisitor& visitor, PinParams& params);
 
+/// Where and when a sheet tears; see solid/tear.h.
+struct TearingParams {
+  double strain = 0.05;        ///< largest principal strain that the virgin sheet bears
+  double scatter = 0.1;        ///< flaws: by so much the strain at a vertex lies above or below, at most
+  double char_strength = 0.2;  ///< share of the strain that ash bears
+  int checks = 8;              ///< looks for tears per 1/60 s: a tear runs one edge from one look to the next
+  int seed = 1;                ///< of the flaws
+};
+void describe(ParameterVisitor& visitor, TearingParams& params);
+
 struct ShellSection {
   std::string name = "sheet";
   MeshParams mesh;
@@ -58,6 +68,7 @@ struct ShellSection {
   bool moves = true;             ///< false: held in place, the shell solver is not built
   MotionParams motion;  ///< given movement: the shell solver is not built either; pins, velocity, moves and
                         ///< wrinkles are refused beside it
+  std::optional<TearingParams> tearing = {};
 };
 void describe(ParameterVisitor& visitor, ShellSection& params);
 
@@ -134,6 +145,13 @@ struct WorldParams {
   std::vector<HeatSourceParams> heat_sources;
   std::optional<WindParams> wind;
   std::string directory = {};  ///< of the scene file: mesh files are looked for here; not a parameter
+
+  [[nodiscard]] double ambient_temperature() const {  ///< T_amb [K]: with a gas, the gas's is used
+    return smoke ? smoke->ambient_temperature : heat.ambient_temperature;
+  }
+  [[nodiscard]] double temperature_scale() const {  ///< T_ref - T_amb: kelvin per unit theta
+    return heat.reference_temperature - ambient_temperature();
+  }
 };
 void describe(ParameterVisitor& visitor, WorldParams& params);
 

@@ -7,6 +7,7 @@
 
 #include "core/noise.h"
 #include "core/require.h"
+#include "coupling/embers.h"
 #include "solid/crossings.h"
 
 namespace wick::coupling {
@@ -18,8 +19,7 @@ void check_world(const WorldParams& p) {
           "needs at least one entry in shells (it works on sheets)");
   require(!(p.wind && p.smoke), "/wind",
           "cannot be combined with smoke (the gas itself is the air); remove one of the two");
-  const double ambient = p.smoke ? p.smoke->ambient_temperature : p.heat.ambient_temperature;
-  require(p.heat.reference_temperature >= ambient + 1.0, "/heat/reference_temperature",
+  require(p.temperature_scale() >= 1.0, "/heat/reference_temperature",
           "must exceed the ambient temperature by at least 1 K (theta is measured between the two)");
   require(!p.shells.empty() || p.smoke, "/shells",
           "missing, and no smoke either (the scene has nothing to simulate)");
@@ -40,6 +40,9 @@ void check_world(const WorldParams& p) {
     const std::string& name = p.shells[n].name;
     require(names.insert(name).second, "/shells/" + std::to_string(n) + "/name",
             "\"" + name + "\" is taken by an earlier shell; names must differ");
+    require(
+        name != embers_name || !sheds_embers(p), "/shells/" + std::to_string(n) + "/name",
+        "\"" + name + "\" is the name of the pieces that burn off (their files would be replaced) choose another");
   }
   // Below a tenth of a millimetre transforms of volumes lose their scale, and so do float velocities in cells a
   // step.
@@ -209,25 +212,6 @@ std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t) {
   return inverse;
 }
 
-Shed shed_triangles(Sheet& sheet, const std::vector<std::uint8_t>& keep) {
-  Shed shed;
-  std::size_t now = 0;  // index among the alive triangles
-  for (std::uint8_t& alive : sheet.alive) {
-    if (!alive) continue;
-    const std::size_t t = now++;
-    if (keep[t]) continue;
-    alive = 0;
-    ++shed.triangles;
-    const double third = sheet.mesh.rest_area[t] / 3.0;
-    for (const int vertex : sheet.mesh.triangles[t]) {
-      shed.mass += sheet.areal_mass * third * sheet.burning.fraction_left[vertex];
-      const double share = third / sheet.mesh.vertex_area[vertex];
-      shed.heat += share * sheet.heat_capacity[vertex] * sheet.theta[vertex];
-    }
-  }
-  return shed;
-}
-
 void note_solve(FrameReport& report, const std::string& solver, const SolveReport& solve) {
   SolveReport& sum = report.solves[solver];
   sum.iterations += solve.iterations;
@@ -276,6 +260,9 @@ std::map<std::string, double> sheet_metrics(const Sheet& sheet) {
   double area = 0.0, mass = 0.0, hottest = 0.0, charred = 0.0;
   for (const double a : sheet.mesh.rest_area) area += a;
   for (const double kg : sheet.inputs.mass) mass += kg;
+  std::int32_t last = -1;
+  for (const std::int32_t part : sheet.mesh.component) last = std::max(last, part);
+  m["parts"] = last + 1.0;
   m["triangles"] = static_cast<double>(sheet.mesh.triangle_count());
   m["area"] = area;
   m["mass"] = mass;

@@ -38,14 +38,6 @@ double fastest_in_box(const std::vector<Obstacle>& obstacles, const fluid::Grid&
 /// 1/m of every vertex of every sheet, 0 where a pin holds it at time t, or the sheet is held.
 std::vector<double> inverse_masses(const std::vector<Sheet>& sheets, double t);
 
-/// Marks the triangles without keep[t] as gone in sheet.alive. The mesh itself is rebuilt by the caller.
-struct Shed {
-  std::size_t triangles = 0;
-  double mass = 0.0;  ///< that they took along [kg]
-  double heat = 0.0;  ///< [J]
-};
-Shed shed_triangles(Sheet& sheet, const std::vector<std::uint8_t>& keep);
-
 /// Adds a solve to the frame's record: iterations summed, worst residual kept.
 void note_solve(FrameReport& report, const std::string& solver, const SolveReport& solve);
 

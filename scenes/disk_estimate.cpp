@@ -46,6 +46,7 @@ std::uint64_t mesh_bytes(const coupling::World& world, const Scene& scene) {
   std::uint64_t bytes = 0;
   for (const coupling::ShellView& view : world.shells())
     bytes += 1000 + view.x->size() * (48 + 4 * view.values.size()) + 13 * view.mesh->triangle_count();
+  if (coupling::sheds_embers(scene.world)) bytes += 1000 + 40 * world.embers().x->size();
   return bytes;
 }
 

@@ -33,13 +33,16 @@ FrameOutput gather_outputs(const coupling::World& world, const Scene& scene, con
     for (const coupling::ShellView& view : world.shells())
       output.files.emplace_back(folder.mesh(scene.output, view.name, world.frame()),
                                 shell_ply(view, scene.output.up_axis));
+  if (scene.output.mesh.write && coupling::sheds_embers(scene.world))
+    output.files.emplace_back(folder.mesh(scene.output, coupling::embers_name, world.frame()),
+                              ember_ply(world.embers(), scene.output.up_axis));
   if (scene.output.motion.write)
     for (const coupling::ShellView& view : world.shells())
       output.files.emplace_back(folder.motion_frame(scene.output, view.name, world.frame()),
                                 motion_frame(view, world.frame(), world.time()));
   if (scene.output.preview.write) {
     output.preview_path = folder.preview(scene.output, world.frame());
-    output.preview = draw_preview(scene.output.preview, world.shells(), world.obstacles(), smoke,
+    output.preview = draw_preview(scene.output.preview, world.shells(), world.embers(), world.obstacles(), smoke,
                                   scene.world.smoke ? &*scene.world.smoke : nullptr);
   }
   return output;

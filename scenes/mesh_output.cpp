@@ -89,4 +89,26 @@ Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis) {
   return bytes;
 }
 
+Bytes ember_ply(const coupling::EmberView& view, UpAxis up_axis) {
+  std::string head = fmt::format("ply\nformat binary_little_endian 1.0\ncomment wick {}\nelement vertex {}\n",
+                                 coupling::embers_name, view.x->size());
+  for (const char* name : {"x", "y", "z", "vx", "vy", "vz", "radius", "temperature"})
+    head += fmt::format("property float {}\n", name);
+  for (const char* name : {"red", "green", "blue", "alpha"}) head += fmt::format("property uchar {}\n", name);
+  head += "property int id\nend_header\n";
+  Bytes bytes(head.begin(), head.end());
+  for (std::size_t n = 0; n < view.x->size(); ++n) {
+    append_vector(bytes, to_axes((*view.x)[n], up_axis));
+    append_vector(bytes, to_axes((*view.v)[n], up_axis));
+    append(bytes, &view.radius[n], sizeof(float));
+    append(bytes, &view.temperature[n], sizeof(float));
+    const Vec3 color = ash_color() + glow_color(view.temperature[n]);
+    const std::array<std::uint8_t, 4> rgba{srgb_byte(color[0]), srgb_byte(color[1]), srgb_byte(color[2]), 255};
+    append(bytes, rgba.data(), rgba.size());
+    const auto id = static_cast<std::int32_t>((*view.id)[n]);
+    append(bytes, &id, sizeof id);
+  }
+  return bytes;
+}
+
 }  // namespace wick::scenes

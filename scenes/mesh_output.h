@@ -11,6 +11,9 @@ namespace wick::scenes {
 /// Vertices keep their numbers from frame to frame; those in no triangle stay with a zero normal.
 Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis);
 
+/// Pieces that have burnt off, as points: x y z, vx vy vz, radius [m], temperature [K], red green blue alpha, id.
+Bytes ember_ply(const coupling::EmberView& view, UpAxis up_axis);
+
 /// A vector of the simulation (z up) as the output's axes see it.
 inline Vec3 to_axes(const Vec3& v, UpAxis up_axis) {
   return up_axis == UpAxis::z ? v : Vec3(v.x(), v.z(), -v.y());

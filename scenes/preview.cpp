@@ -65,6 +65,19 @@ void draw_sheet(const Camera& camera, Canvas& canvas, const coupling::ShellView&
                   {lit[t[0]], lit[t[1]], lit[t[2]]});
 }
 
+/// Squares that face the eye, none smaller than a pixel.
+void draw_embers(const Camera& camera, Canvas& canvas, const coupling::EmberView& view) {
+  for (std::size_t n = 0; n < view.radius.size(); ++n) {
+    const Vec3& x = (*view.x)[n];
+    const double pixel = (x - camera.eye).dot(camera.forward) / camera.focal;
+    const double half = std::max<double>(0.5 * std::sqrt(M_PI) * view.radius[n], 0.75 * pixel);
+    const Vec3 right = half * camera.right, up = half * camera.up;
+    const Vec3 color = ash_color() + glow_color(view.temperature[n]);
+    draw_triangle(camera, canvas, {x - right - up, x + right - up, x + right + up}, {color, color, color});
+    draw_triangle(camera, canvas, {x - right - up, x + right + up, x - right + up}, {color, color, color});
+  }
+}
+
 /// Soft shoulder above 0.8, then the sRGB curve.
 std::uint8_t encode(double v) {
   if (v > 0.8) v = 0.8 + 0.2 * std::tanh((v - 0.8) / 0.4);
@@ -101,8 +114,8 @@ void describe(ParameterVisitor& v, PreviewParams& p) {
 }
 
 Picture draw_preview(const PreviewParams& p, const std::vector<coupling::ShellView>& shells,
-                     const std::vector<Obstacle>& obstacles, const fluid::SmokeState* smoke,
-                     const fluid::SmokeParams* smoke_params) {
+                     const coupling::EmberView& embers, const std::vector<Obstacle>& obstacles,
+                     const fluid::SmokeState* smoke, const fluid::SmokeParams* smoke_params) {
   const Camera camera(p);
   const std::size_t pixels = std::size_t(camera.width) * camera.height;
   Canvas canvas{std::vector<Vec3>(pixels), std::vector<double>(pixels, INFINITY)};
@@ -111,6 +124,7 @@ Picture draw_preview(const PreviewParams& p, const std::vector<coupling::ShellVi
     canvas.color[n] = (1.0 - t) * kSkyTop + t * kSkyBottom;
   }
   for (const coupling::ShellView& view : shells) draw_sheet(camera, canvas, view);
+  draw_embers(camera, canvas, embers);
   for (const Obstacle& obstacle : obstacles) draw_obstacle(camera, canvas, obstacle);
   if (smoke) draw_gas(p, camera, canvas, *smoke, *smoke_params);
   return {camera.width, camera.height, develop(canvas.color)};

@@ -31,8 +31,8 @@ struct Picture {
 
 /// Draws the world as it is. `smoke` is null for a scene without gas.
 Picture draw_preview(const PreviewParams& params, const std::vector<coupling::ShellView>& shells,
-                     const std::vector<Obstacle>& obstacles, const fluid::SmokeState* smoke,
-                     const fluid::SmokeParams* smoke_params);
+                     const coupling::EmberView& embers, const std::vector<Obstacle>& obstacles,
+                     const fluid::SmokeState* smoke, const fluid::SmokeParams* smoke_params);
 
 /// The picture as the bytes of a PNG file.
 std::vector<char> encode_png(const Picture& picture);

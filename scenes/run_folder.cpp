@@ -164,6 +164,9 @@ bool RunFolder::writes(const Scene& of, const fs::path& name) const {
   const bool counted = frame >= 1 && frame <= of.frames;
   if (counted && of.world.smoke && output.volume.write && path == volume(output, frame)) return true;
   if (counted && output.preview.write && path == preview(output, frame)) return true;
+  if (counted && output.mesh.write && coupling::sheds_embers(of.world) &&
+      path == mesh(output, coupling::embers_name, frame))
+    return true;
   for (const coupling::ShellSection& shell : of.world.shells) {
     if (counted && output.mesh.write && path == mesh(output, shell.name, frame)) return true;
     if (!output.motion.write) continue;

@@ -105,10 +105,21 @@ void require_enough_steps(const Scene& scene) {
                       1.0 / scene.fps, least, coupling.max_step, coupling.max_substeps));
 }
 
+/// A recorded motion has the same vertices in every frame.
+void require_lasting_vertices(const Scene& scene) {
+  if (!scene.output.motion.write || !scene.world.burning) return;
+  const coupling::BurningParams& burning = *scene.world.burning;
+  require(
+      burning.removal <= burning.ash || burning.rim == coupling::BurntRim::whole, "/output/motion/write",
+      "cannot record sheets whose mesh is cut as they burn (vertices come and go); set /burning/rim to \"whole\", "
+      "or /burning/removal to 0");
+}
+
 }  // namespace
 
 void require_valid(const Scene& scene) {
   require_enough_steps(scene);
+  require_lasting_vertices(scene);
   std::set<std::string> grids;
   const GridNames& names = scene.output.volume.names;
   const std::pair<const char*, const std::string*> entries[] = {{"density", &names.density},

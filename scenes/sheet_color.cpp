@@ -32,13 +32,17 @@ Vec3 char_color(double lost) {
   return kStops[std::size(kStops) - 1].color;
 }
 
-/// Red glow from the Draper point (798 K) on, orange and yellow as it gets hotter.
+}  // namespace
+
+Vec3 ash_color() {
+  return char_color(0.85);
+}
+
+/// Red from the Draper point (798 K) on, orange and yellow as it gets hotter.
 Vec3 glow_color(double kelvin) {
   const double t = std::clamp((kelvin - 798.0) / 500.0, 0.0, 2.0);
   return Vec3(1.6 * t, 0.55 * t * t, 0.08 * t * t * t);
 }
-
-}  // namespace
 
 std::vector<SheetColor> sheet_colors(const coupling::ShellView& view) {
   std::vector<SheetColor> colors(view.x->size(), {kStops[0].color, Vec3::Zero()});

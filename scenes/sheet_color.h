@@ -14,4 +14,9 @@ struct SheetColor {
 /// One colour a vertex, from the `char`, `temperature` and `saturation` values that the sheet has.
 std::vector<SheetColor> sheet_colors(const coupling::ShellView& view);
 
+/// Linear RGB of char that has burnt out.
+Vec3 ash_color();
+/// Linear RGB of the glow at a temperature [K].
+Vec3 glow_color(double kelvin);
+
 }  // namespace wick::scenes

@@ -227,11 +227,7 @@ void require_one_fan(const ShellMesh& mesh) {
 
 }  // namespace
 
-ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::vector<Int3> triangles) {
-  // Half edges are counted in 32 bits.
-  constexpr std::size_t most = 700'000'000;
-  require(triangles.size() <= most && rest.size() <= most, "",
-          "mesh: too many vertices or triangles (the limit is 7e8)");
+ShellMesh rebuild_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::vector<Int3> triangles) {
   ShellMesh mesh;
   mesh.rest = std::move(rest);
   mesh.material = std::move(material);
@@ -242,6 +238,15 @@ ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::ve
   mesh.rest_area.resize(mesh.triangle_count());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) lay_flat(mesh, t);
   derive_topology(mesh);
+  return mesh;
+}
+
+ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::vector<Int3> triangles) {
+  // Half edges are counted in 32 bits.
+  constexpr std::size_t most = 700'000'000;
+  require(triangles.size() <= most && rest.size() <= most, "",
+          "mesh: too many vertices or triangles (the limit is 7e8)");
+  ShellMesh mesh = rebuild_mesh(std::move(rest), std::move(material), std::move(triangles));
   require_one_fan(mesh);
   return mesh;
 }

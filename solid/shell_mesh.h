@@ -46,6 +46,10 @@ ShellMesh build_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::ve
 /// what is left may meet in a vertex alone.
 ShellMesh without_triangles(const ShellMesh& mesh, const std::vector<std::uint8_t>& keep);
 
+/// The sheet of triangles that a cut has left of a mesh, with all derived data. What is left may meet in a vertex
+/// alone, vertices may belong to no triangle. Throws Refusal where a triangle has no area.
+ShellMesh rebuild_mesh(std::vector<Vec3> rest, std::vector<Vec2> material, std::vector<Int3> triangles);
+
 /// Area-weighted vertex normals of positions x (V), zero for orphans.
 std::vector<Vec3> vertex_normals(const ShellMesh& mesh, const std::vector<Vec3>& x);
 

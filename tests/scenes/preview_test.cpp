@@ -22,7 +22,7 @@ PreviewParams camera() {
 }
 
 Picture draw(const std::vector<Obstacle>& obstacles, const std::vector<coupling::ShellView>& shells = {}) {
-  return draw_preview(camera(), shells, obstacles, nullptr, nullptr);
+  return draw_preview(camera(), shells, {}, obstacles, nullptr, nullptr);
 }
 
 Obstacle body(decltype(Obstacle::shape) shape) {
@@ -79,7 +79,7 @@ TEST(Preview, EvenSmokeDimsByTheLawOfBeerAndLambert) {
     for (int k = 0; k < 64; ++k)
       for (int j = first; j < 64 - first; ++j)
         for (int i = 0; i < 64; ++i) gas.density[g.cell(i, j, k)] = static_cast<float>(density);
-    const Picture seen = draw_preview(p, {}, {}, &gas, &params), empty = draw({});
+    const Picture seen = draw_preview(p, {}, {}, {}, &gas, &params), empty = draw({});
     const std::size_t middle = 3 * (std::size_t(30) * 60 + 30);
     const double length = block ? 0.5 : 1.0, clear = std::exp(-length), light = 0.35 + 0.65 * std::exp(-0.25);
     const Vec3 smoke(0.75, 0.73, 0.70), top(0.30, 0.34, 0.40), bottom(0.62, 0.62, 0.60);
