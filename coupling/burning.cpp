@@ -68,11 +68,10 @@ void describe(ParameterVisitor& v, BurningParams& p) {
   v.number({"removal", "1", between(0, 0.999), "what has less of its mass left falls away as ash; 0: never"},
            p.removal);
   v.only(p.removal > 0.0, "removal is 0", [&] {
-    v.choice(
-        {"rim", "", any_value(),
-         "cut: the mesh is cut along the contour of removal, once a frame; whole: triangles fall away whole when "
-         "their last corner is below it (always so where motion moves the sheet)"},
-        p.rim, kRimNames);
+    v.choice({"rim", "", any_value(),
+              "cut: the mesh is cut along the contour of removal; whole: triangles fall away whole when "
+              "their last corner is below it (always so where motion moves the sheet)"},
+             p.rim, kRimNames);
     v.only(p.rim == BurntRim::cut, "rim is not cut", [&] {
       v.number({"rim_snap", "1", between(0.05, 0.45),
                 "vertices nearer to the contour than this share of the sheet's edges are moved onto it instead of "

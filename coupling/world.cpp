@@ -67,7 +67,7 @@ double World::Impl::longest_step(double left) const {
   return left / std::max(1.0, std::ceil(left / dt * (1.0 - 1e-9)));
 }
 
-void World::Impl::substep(double dt, bool last, FrameReport& report) {
+void World::Impl::substep(double dt, FrameReport& report) {
   // The frame as the data flows; each line reads what the lines above have left.
   {
     const StageTimer timer(report.seconds, "smoke");
@@ -84,8 +84,7 @@ void World::Impl::substep(double dt, bool last, FrameReport& report) {
   {
     const StageTimer timer(report.seconds, "burning");
     react(dt);
-    // Once a frame: a new mesh costs what a step does.
-    if (last) shed_ash();
+    shed_ash();
     move_embers(dt);
   }
   {
@@ -363,7 +362,7 @@ FrameReport World::step(double dt, FunctionRef<bool()> stop) {
       ++report.lengthened_steps;
     }
     const bool last = step >= left * (1.0 - 1e-12);
-    world.substep(step, last, report);
+    world.substep(step, report);
     if (last) world.time = end;
     if (world.time < end && stop()) {
       world.frame_end = end;

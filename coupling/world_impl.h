@@ -19,7 +19,7 @@ struct World::Impl {
   explicit Impl(const WorldParams& p);
 
   // One substep, in the order of the data flow.
-  void substep(double dt, bool last, FrameReport& report);
+  void substep(double dt, FrameReport& report);
   void move_gas(double dt, FrameReport& report);
   void relax_push();
   void exchange(double dt);
