@@ -111,13 +111,32 @@ bool meets(const SampledShape& grid, const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
+Mat3 Obstacle::turn_in(double dt) const {
+  const double rate = spin.norm();
+  return rate > 0.0 ? Eigen::AngleAxisd(rate * dt, spin / rate).toRotationMatrix() : Mat3(Mat3::Identity());
+}
+
+Vec3 Obstacle::rewound(const Vec3& x, double dt) const {
+  const Vec3 shifted = x - dt * velocity;
+  return spin.isZero(0.0) ? shifted : Vec3(turn_in(dt).transpose() * (shifted - pivot) + pivot);
+}
+
+void Obstacle::advance(double dt) {
+  const Mat3 turn = turn_in(dt);
+  pose.shift = turn * (pose.shift - pivot) + pivot + dt * velocity;
+  pose.turn = turn * pose.turn;
+  pivot += dt * velocity;
+}
+
 DistanceSample sample_distance(const Obstacle& obstacle, const Vec3& x) {
-  const Vec3 local = x - obstacle.displacement;
-  return std::visit([&](const auto& shape) { return sample(shape, local); }, obstacle.shape);
+  const Vec3 local = obstacle.pose.body(x);
+  DistanceSample found = std::visit([&](const auto& shape) { return sample(shape, local); }, obstacle.shape);
+  found.gradient = obstacle.pose.turn * found.gradient;
+  return found;
 }
 
 bool segment_meets(const Obstacle& obstacle, const Vec3& a, const Vec3& b) {
-  const Vec3 from = a - obstacle.displacement, to = b - obstacle.displacement;
+  const Vec3 from = obstacle.pose.body(a), to = obstacle.pose.body(b);
   return std::visit([&](const auto& shape) { return meets(shape, from, to); }, obstacle.shape);
 }
 

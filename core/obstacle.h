@@ -30,12 +30,39 @@ struct SampledShape {
   std::vector<float> distance;  ///< [m]
 };
 
+/// Where a rigid body is: what is at X in its own frame is at turn X + shift.
+struct Pose {
+  Mat3 turn = Mat3::Identity();
+  Vec3 shift = Vec3::Zero();  ///< [m]
+
+  [[nodiscard]] Vec3 place(const Vec3& body) const { return turn * body + shift; }
+  [[nodiscard]] Vec3 body(const Vec3& place) const { return turn.transpose() * (place - shift); }
+  bool operator==(const Pose&) const = default;
+};
+/// Where what is carried along from one pose to another goes.
+inline Pose between(const Pose& from, const Pose& to) {
+  const Mat3 turn = to.turn * from.turn.transpose();
+  return {turn, to.shift - turn * from.shift};
+}
+
 struct Obstacle {
   std::string name;
   std::variant<SphereShape, BoxShape, PlaneShape, SampledShape> shape;
-  double friction = 0.3;             ///< Coulomb coefficient, static and kinetic alike
-  Vec3 velocity = Vec3::Zero();      ///< rigid translation [m/s]
-  Vec3 displacement = Vec3::Zero();  ///< how far it has moved since the start [m]
+  double friction = 0.3;         ///< Coulomb coefficient, static and kinetic alike
+  Vec3 velocity = Vec3::Zero();  ///< of its pivot [m/s]
+  Vec3 spin = Vec3::Zero();      ///< angular velocity about the pivot [rad/s]
+  Vec3 pivot = Vec3::Zero();     ///< where it is now [m]
+  Pose pose = {};                     ///< where the body is now, relative to its shape as given
+
+  [[nodiscard]] Vec3 velocity_at(const Vec3& x) const { return velocity + spin.cross(x - pivot); }
+  /// More than any speed of the body at x [m/s].
+  [[nodiscard]] double speed_at(const Vec3& x) const { return velocity.norm() + spin.norm() * (x - pivot).norm(); }
+  /// How the body turns in a time dt from now on.
+  [[nodiscard]] Mat3 turn_in(double dt) const;
+  /// Where what the body carries past x after a time dt is now.
+  [[nodiscard]] Vec3 rewound(const Vec3& x, double dt) const;
+  /// Moves it by dt.
+  void advance(double dt);
 };
 
 struct DistanceSample {

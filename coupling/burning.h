@@ -42,11 +42,11 @@ struct BurningParams {
   double ash = 0.08;                      ///< mu_ash: fraction that does not burn
   double removal = 0.12;                  ///< mu_abl: what has less of its mass left falls away as ash
   BurntRim rim = BurntRim::cut;
-  double rim_snap = 0.3;      ///< see CutSurface::snapping, as a share of the edges
-  double ember_size = 0.006;  ///< free pieces of less than its square become embers [m]; 0: never
-  double ember_life = 4.0;    ///< until an ember goes out [s]
-  double sheet_heat = 1.6;    ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
-  double gas_heat = 2.0;      ///< heat given to the gas per burnt mass, same unit
+  double rim_snap = 0.3;     ///< see CutSurface::snapping, as a share of the edges
+  double ember_size = 0.01;  ///< free pieces of less than its square become embers [m]; 0: never
+  double ember_life = 4.0;   ///< until an ember goes out [s]
+  double sheet_heat = 1.6;   ///< eta_f: heat kept by the sheet per burnt mass, in units of c (T_ref - T_amb)
+  double gas_heat = 2.0;     ///< heat given to the gas per burnt mass, same unit
   double flame_temperature = 2300.0;  ///< adiabatic, of the fuel in air: burning heats gas no further [K]
   double smoke_yield = 0.15;          ///< y_s: smoke per burnt mass; the rest is unseen gas
   double flame_rate = 0.5;            ///< loss of mass that shows as a full flame, as a fraction a second [1/s]

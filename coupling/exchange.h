@@ -33,7 +33,7 @@ std::vector<VertexStencil> vertex_stencils(const Raster& raster, std::int32_t sh
 struct Sweep {
   std::vector<std::vector<std::int64_t>> by_sheet = {};  ///< cells that each sheet has passed, see swept_cells()
   const std::vector<Obstacle>* obstacles = nullptr;      ///< where they are now; null: none
-  std::vector<Vec3> shifts = {};                         ///< of each obstacle since then [m]; empty: none has moved
+  std::vector<Pose> moves = {};  ///< of each obstacle since then, as a map of space; empty: none has moved
 };
 struct SweptLoss {
   double smoke = 0.0, heat = 0.0;                  ///< that had nowhere to go [kg], [J]

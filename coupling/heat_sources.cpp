@@ -171,8 +171,8 @@ fluid::SmokeSources gas_sources(const WorldParams& p, const fluid::Grid& grid, c
 std::vector<std::string> sources_without_gas(const WorldParams& p, const std::vector<Obstacle>& obstacles,
                                              const fluid::Grid& grid) {
   std::vector<std::string> found;
-  const bool still =
-      std::all_of(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.velocity.isZero(); });
+  const bool still = std::all_of(obstacles.begin(), obstacles.end(),
+                                 [](const Obstacle& o) { return o.velocity.isZero() && o.spin.isZero(); });
   for (std::size_t n = 0; n < p.heat_sources.size(); ++n) {
     const HeatSourceParams& source = p.heat_sources[n];
     if (source.gas_power == 0.0 && source.gas_smoke == 0.0) continue;

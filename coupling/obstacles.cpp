@@ -75,6 +75,52 @@ void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacl
     }
 }
 
+namespace {
+
+/// The middle of the shape as given: it moves as keyframes tell.
+Vec3 pivot_of(const Obstacle& obstacle, const ObstacleParams& p) {
+  if (const auto* box = std::get_if<BoxShape>(&obstacle.shape)) return 0.5 * (box->lower + box->upper);
+  return p.center;
+}
+
+/// Displacement of the pivot and orientation.
+struct Stand {
+  Vec3 position;
+  Eigen::Quaterniond turn;
+};
+Stand stand_of(const Keyframe& frame) {
+  return {frame.position, Eigen::Quaterniond(rotation(frame.rotation))};
+}
+
+/// Between keyframes places are linear and turns the shortest; before the first and after the last it stands still.
+Stand stand_at(const ObstacleParams& p, double t) {
+  const auto after = std::upper_bound(p.keyframes.begin(), p.keyframes.end(), t,
+                                      [](double time, const Keyframe& frame) { return time < frame.time; });
+  if (after == p.keyframes.begin()) return stand_of(p.keyframes.front());
+  if (after == p.keyframes.end()) return stand_of(p.keyframes.back());
+  const Stand a = stand_of(*(after - 1)), b = stand_of(*after);
+  const double share = (t - (after - 1)->time) / (after->time - (after - 1)->time);
+  return {a.position + share * (b.position - a.position), a.turn.slerp(share, b.turn)};
+}
+
+void place_at(Obstacle& obstacle, const ObstacleParams& p, double t) {
+  const Vec3 middle = pivot_of(obstacle, p);
+  const Stand stand = stand_at(p, t);
+  obstacle.pivot = middle + stand.position;
+  obstacle.pose.turn = stand.turn.toRotationMatrix();
+  obstacle.pose.shift = obstacle.pivot - obstacle.pose.turn * middle;
+}
+
+void require_keyframes(const ObstacleParams& p, const std::string& pointer) {
+  require(p.keyframes.empty() || p.velocity.isZero(), pointer + "/velocity",
+          "the keyframes move the obstacle; remove one of the two");
+  for (std::size_t n = 1; n < p.keyframes.size(); ++n)
+    require(p.keyframes[n].time > p.keyframes[n - 1].time, pointer + "/keyframes/" + std::to_string(n) + "/time",
+            "is not after the keyframe before it; keyframes follow each other in time");
+}
+
+}  // namespace
+
 std::vector<Obstacle> build_obstacles(const WorldParams& world, std::vector<std::string>& warnings) {
   std::vector<Obstacle> obstacles;
   // The grid marks obstacle cells with a byte.
@@ -93,9 +139,30 @@ std::vector<Obstacle> build_obstacles(const WorldParams& world, std::vector<std:
     } else if (p.kind == ObstacleKind::mesh) {
       sample_mesh(obstacle, p, pointer, world, warnings);
     }
+    require_keyframes(p, pointer);
+    obstacle.pivot = pivot_of(obstacle, p);
+    if (!p.keyframes.empty()) place_at(obstacle, p, 0.0);
     obstacles.push_back(std::move(obstacle));
   }
   return obstacles;
+}
+
+void aim(Obstacle& obstacle, const ObstacleParams& p, double t, double dt) {
+  if (p.keyframes.empty()) return;
+  const Stand next = stand_at(p, t + dt);
+  obstacle.velocity = (pivot_of(obstacle, p) + next.position - obstacle.pivot) / dt;
+  const Eigen::AngleAxisd turn(next.turn * Eigen::Quaterniond(obstacle.pose.turn).conjugate());
+  obstacle.spin = turn.angle() / dt * turn.axis();
+}
+
+void visit(StateVisitor& visitor, Obstacle& obstacle) {
+  visitor.value("shift", obstacle.pose.shift);
+  visitor.value("pivot", obstacle.pivot);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 column = obstacle.pose.turn.col(axis);
+    visitor.value("turn_" + std::to_string(axis), column);
+    obstacle.pose.turn.col(axis) = column;
+  }
 }
 
 }  // namespace wick::coupling

@@ -12,6 +12,11 @@ namespace wick::coupling {
 /// at fault; what is worth saying and no fault is added to `warnings`, each with its pointer in front.
 std::vector<Obstacle> build_obstacles(const WorldParams& world, std::vector<std::string>& warnings);
 
+/// Gives the obstacle, which is where it is at time t, the velocity and the spin of its next dt.
+void aim(Obstacle& obstacle, const ObstacleParams& params, double t, double dt);
+
+void visit(StateVisitor& visitor, Obstacle& obstacle);
+
 /// Throws Refusal where a free sheet lies wholly or partly inside an obstacle: no push out of it would be the right
 /// one.
 void require_outside(const std::vector<Sheet>& sheets, const std::vector<Obstacle>& obstacles);

@@ -116,6 +116,13 @@ Vec3 hit_point(const SheetSurface& sheet, const WallHit& hit, const std::vector<
   return hit.weight[0] * values[t[0]] + hit.weight[1] * values[t[1]] + hit.weight[2] * values[t[2]];
 }
 
+Vec3 face_place(const fluid::Grid& grid, int axis, std::size_t face) {
+  const std::size_t nx = grid.nx + (axis == 0 ? 1 : 0), ny = grid.ny + (axis == 1 ? 1 : 0);
+  const std::size_t row = face / nx;
+  return grid.face_center(axis, static_cast<int>(face % nx), static_cast<int>(row % ny),
+                          static_cast<int>(row / ny));
+}
+
 }  // namespace
 
 Vec3 grid_line_offset() {
@@ -189,10 +196,10 @@ void Raster::close_sheet_faces(const std::vector<SheetSurface>& sheets) {
 void Raster::close_obstacle_faces(const std::vector<Obstacle>& obstacles) {
   if (obstacles.empty()) return;
   bool same = obstacle_place_.size() == obstacles.size();
-  for (std::size_t n = 0; same && n < obstacles.size(); ++n) same = obstacle_place_[n] == obstacles[n].displacement;
+  for (std::size_t n = 0; same && n < obstacles.size(); ++n) same = obstacle_place_[n] == obstacles[n].pose;
   if (!same) {
     obstacle_place_.clear();
-    for (const Obstacle& obstacle : obstacles) obstacle_place_.push_back(obstacle.displacement);
+    for (const Obstacle& obstacle : obstacles) obstacle_place_.push_back(obstacle.pose);
     mark_obstacles(obstacles);
   }
   parallel_for(grid_.cells(), 1 << 16, [&](std::size_t c) { walls_.solid[c] = obstacle_mark_[c] != 0 ? 1 : 0; });
@@ -200,7 +207,9 @@ void Raster::close_obstacle_faces(const std::vector<Obstacle>& obstacles) {
     parallel_for(grid_.faces(axis), 1 << 16, [&](std::size_t face) {
       const int mark = obstacle_face_[axis][face];
       walls_.closed[axis][face] = mark != 0 ? 1 : 0;
-      walls_.velocity[axis][face] = mark != 0 ? static_cast<float>(obstacles[mark - 1].velocity[axis]) : 0.0F;
+      walls_.velocity[axis][face] =
+          mark != 0 ? static_cast<float>(obstacles[mark - 1].velocity_at(face_place(grid_, axis, face))[axis])
+                    : 0.0F;
     });
 }
 

@@ -66,7 +66,7 @@ class Raster {
   std::array<std::vector<std::int32_t>, 3> hit_at_;
   std::vector<std::uint8_t> obstacle_mark_;                 ///< per cell: 1 + obstacle number (0: none)
   std::array<std::vector<std::uint8_t>, 3> obstacle_face_;  ///< per face: the same of what closes it
-  std::vector<Vec3> obstacle_place_;                        ///< displacements for which the marks hold
+  std::vector<Pose> obstacle_place_;                        ///< for which the marks hold
 };
 
 /// Cells whose centre a sheet passed while moving linearly from `before` to `after` (V each): an odd number of

@@ -84,13 +84,6 @@ FileMesh make_mesh(const MeshParams& p, const std::string& pointer, const WorldP
   return mesh;
 }
 
-Mat3 rotation(const Vec3& degrees) {
-  const Vec3 angle = degrees * (M_PI / 180.0);
-  return (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
-          Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
-      .toRotationMatrix();
-}
-
 /// Smooth noise in [-1, 1]: five plane waves with seeded directions, a few across the sheet's extent.
 double smooth_noise(const Vec3& x, double extent, int seed) {
   double sum = 0.0;

@@ -29,18 +29,16 @@ Int3 place_of(const fluid::Grid& grid, std::int64_t cell) {
   return {static_cast<int>(cell % grid.nx), static_cast<int>(row % grid.ny), static_cast<int>(row / grid.ny)};
 }
 
-/// Cells whose centre was in the obstacle at some time of its move by `shift` to where it is now, but not all the
-/// time.
-void add_swept_by(const Obstacle& obstacle, const Vec3& shift, const fluid::Grid& grid,
+/// Cells whose centre was in the obstacle at some time of its `move` to where it is now, but not all the time.
+void add_swept_by(const Obstacle& obstacle, const Pose& move, const fluid::Grid& grid,
                   std::vector<std::uint8_t>& passes, std::uint8_t mark) {
-  const double reach = 2.0 * shift.norm();
   parallel_for(static_cast<std::size_t>(grid.nz), 1, [&](std::size_t k) {
     for (int j = 0; j < grid.ny; ++j)
       for (int i = 0; i < grid.nx; ++i) {
         const Vec3 now = probe(grid, {i, j, static_cast<int>(k)});
+        const Vec3 before = move.place(now);
         const double distance = sample_distance(obstacle, now).distance;
-        if (std::abs(distance) > reach) continue;
-        const Vec3 before = now + shift;
+        if (std::abs(distance) > 2.0 * (before - now).norm()) continue;
         const bool stayed = distance < 0.0 && sample_distance(obstacle, before).distance < 0.0;
         if (!stayed && segment_meets(obstacle, before, now)) passes[grid.cell(i, j, static_cast<int>(k))] |= mark;
       }
@@ -53,14 +51,14 @@ class SweptCells {
   SweptCells(const Raster& raster, const fluid::Sides& sides, const Sweep& sweep)
       : raster_(raster), sides_(sides), sweep_(sweep) {
     const bool moved =
-        std::any_of(sweep.shifts.begin(), sweep.shifts.end(), [](const Vec3& d) { return !d.isZero(0.0); });
+        std::any_of(sweep.moves.begin(), sweep.moves.end(), [](const Pose& move) { return move != Pose{}; });
     const bool passed =
         std::any_of(sweep.by_sheet.begin(), sweep.by_sheet.end(), [](const auto& c) { return !c.empty(); });
     if (!moved && !passed) return;
     passes_.assign(raster.grid().cells(), 0);
-    for (std::size_t n = 0; n < sweep.shifts.size(); ++n)
-      if (!sweep.shifts[n].isZero(0.0))
-        add_swept_by((*sweep.obstacles)[n], sweep.shifts[n], raster.grid(), passes_, kByObstacle);
+    for (std::size_t n = 0; n < sweep.moves.size(); ++n)
+      if (sweep.moves[n] != Pose{})
+        add_swept_by((*sweep.obstacles)[n], sweep.moves[n], raster.grid(), passes_, kByObstacle);
     for (const std::vector<std::int64_t>& cells : sweep.by_sheet)
       for (const std::int64_t c : cells)
         if ((passes_[c] & kSheets) < kSheets) ++passes_[c];
@@ -106,8 +104,7 @@ class SweptCells {
   /// between.
   [[nodiscard]] bool leaves_way(const Vec3& from, const Vec3& to) const {
     for (std::size_t n = 0; sweep_.obstacles != nullptr && n < sweep_.obstacles->size(); ++n)
-      if (segment_meets((*sweep_.obstacles)[n], n < sweep_.shifts.size() ? Vec3(from + sweep_.shifts[n]) : from,
-                        to))
+      if (segment_meets((*sweep_.obstacles)[n], n < sweep_.moves.size() ? sweep_.moves[n].place(from) : from, to))
         return false;
     return true;
   }
@@ -124,9 +121,9 @@ class SweptCells {
     const auto sheets = [&](const Int3& at) { return passes_[grid.cell(at[0], at[1], at[2])] & kSheets; };
     if (sheets(a) != sheets(b) || raster_.crossings(axis, grid.face(axis, face[0], face[1], face[2])) > 0)
       return false;
-    for (std::size_t n = 0; n < sweep_.shifts.size(); ++n)
-      if (segment_meets((*sweep_.obstacles)[n], probe(grid, a) + sweep_.shifts[n],
-                        probe(grid, b) + sweep_.shifts[n]))
+    for (std::size_t n = 0; n < sweep_.moves.size(); ++n)
+      if (segment_meets((*sweep_.obstacles)[n], sweep_.moves[n].place(probe(grid, a)),
+                        sweep_.moves[n].place(probe(grid, b))))
         return false;
     return true;
   }

@@ -25,6 +25,7 @@ World::Impl::Impl(const WorldParams& p) : params(p) {
     sheets.push_back(build_sheet(params.shells[n], "/shells/" + std::to_string(n), params, warnings));
   look_for_crossings();
   obstacles = build_obstacles(params, warnings);
+  aim_obstacles(0.0, params.coupling.max_step);
   require_outside(sheets, obstacles);
   if (params.smoke) {
     gas = fluid::make_smoke_state(*params.smoke);
@@ -91,6 +92,8 @@ void World::Impl::substep(double dt, FrameReport& report) {
     const StageTimer timer(report.seconds, "shell");
     move_sheets(dt, report);
   }
+  // The gas is to see the speeds of the step that comes.
+  aim_obstacles(time + dt, params.coupling.max_step);
   // Seeing the moved sheet comes last, so that the gas that is written agrees with the meshes that are written.
   {
     const StageTimer timer(report.seconds, "see");
@@ -118,7 +121,7 @@ void World::Impl::see_sheets() {
 void World::Impl::hand_over() {
   Sweep sweep{.obstacles = &obstacles};
   for (std::size_t n = 0; n < seen_obstacles.size(); ++n)
-    sweep.shifts.emplace_back(obstacles[n].displacement - seen_obstacles[n]);
+    sweep.moves.push_back(between(seen_obstacles[n], obstacles[n].pose));
   for (const Sheet& sheet : sheets)
     if (!sheet.seen_x.empty() && (sheet.free() || sheet.driven()))
       sweep.by_sheet.push_back(swept_cells(raster->grid(), sheet.mesh, sheet.seen_x, sheet.state.x));
@@ -130,7 +133,7 @@ void World::Impl::hand_over() {
     ledgers["heat"].book_flow(term, -heat);
   }
   seen_obstacles.clear();
-  for (const Obstacle& obstacle : obstacles) seen_obstacles.push_back(obstacle.displacement);
+  for (const Obstacle& obstacle : obstacles) seen_obstacles.push_back(obstacle.pose);
   for (Sheet& sheet : sheets) sheet.seen_x = sheet.state.x;
 }
 
@@ -303,14 +306,19 @@ void World::Impl::move_sheets(double dt, FrameReport& report) {
   const int parts = tearing_checks(sheets, dt);
   for (int n = 1; n <= parts; ++n) {
     const double end = time + dt * n / parts;
+    aim_obstacles(end - dt / parts, dt / parts);
     if (params.contact)
       move_sheets_together(end, dt / parts, report);
     else
       for (std::size_t s = 0; s < sheets.size(); ++s) move_sheet(s, end, dt / parts);
-    for (Obstacle& obstacle : obstacles) obstacle.displacement += dt / parts * obstacle.velocity;
+    for (Obstacle& obstacle : obstacles) obstacle.advance(dt / parts);
     for (std::size_t s = 0; s < sheets.size(); ++s)
       if (tear_sheet(sheets[s], params, push[s]) > 0) contact.reset();
   }
+}
+
+void World::Impl::aim_obstacles(double t, double dt) {
+  for (std::size_t n = 0; n < obstacles.size(); ++n) aim(obstacles[n], params.obstacles[n], t, dt);
 }
 
 void World::Impl::move_sheet(std::size_t s, double end, double dt) {

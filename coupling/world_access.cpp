@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "coupling/obstacles.h"
 #include "coupling/world_impl.h"
 
 namespace wick::coupling {
@@ -81,8 +82,7 @@ void World::visit(StateVisitor& visitor) {
   for (std::size_t s = 0; s < world.sheets.size(); ++s)
     visitor.group("sheet_" + std::to_string(s), [&] { coupling::visit(visitor, world.sheets[s]); });
   for (std::size_t n = 0; n < world.obstacles.size(); ++n)
-    visitor.group("obstacle_" + std::to_string(n),
-                  [&] { visitor.value("displacement", world.obstacles[n].displacement); });
+    visitor.group("obstacle_" + std::to_string(n), [&] { coupling::visit(visitor, world.obstacles[n]); });
   if (world.params.burning) visitor.group("embers", [&] { coupling::visit(visitor, world.embers); });
   if (world.gas) visitor.group("smoke", [&] { fluid::visit(visitor, *world.gas); });
   for (auto& [quantity, ledger] : world.ledgers)
@@ -143,6 +143,7 @@ void World::restored() {
     rebuild_topology(sheet, impl_->params);
     sheet.seen_x.clear();  // the gas of the state already agrees with the sheet's place
   }
+  impl_->aim_obstacles(impl_->time, impl_->params.coupling.max_step);
   impl_->see_sheets();
 }
 

@@ -30,6 +30,7 @@ struct World::Impl {
   void move_sheets(double dt, FrameReport& report);
   void move_sheet(std::size_t s, double end, double dt);
   void move_sheets_together(double end, double dt, FrameReport& report);
+  void aim_obstacles(double t, double dt);
   void see_sheets();
   void hand_over();
   void audit();
@@ -61,7 +62,7 @@ struct World::Impl {
   std::unique_ptr<solid::SheetContact> contact;  ///< null without such a section, or until sheets move next
 
   // Handed from stage to stage within a substep.
-  std::vector<Vec3> seen_obstacles;  ///< displacements at which the gas last saw them; empty: not yet
+  std::vector<Pose> seen_obstacles;                  ///< where the gas last saw them; empty: not yet
   std::vector<std::vector<VertexStencil>> stencils;  ///< per sheet
   std::vector<std::vector<Vec3>> push;               ///< per sheet: force of the gas [N]
   std::vector<std::vector<double>> heat_in;          ///< per sheet: heat from the gas [J]

@@ -14,6 +14,13 @@ constexpr double kFast = 1e4;    // [m/s]
 constexpr double kNever = 1e30;  // [s]
 }  // namespace
 
+Mat3 rotation(const Vec3& degrees) {
+  const Vec3 angle = degrees * (M_PI / 180.0);
+  return (Eigen::AngleAxisd(angle.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angle.y(), Vec3::UnitY()) *
+          Eigen::AngleAxisd(angle.x(), Vec3::UnitX()))
+      .toRotationMatrix();
+}
+
 void describe(ParameterVisitor& v, MeshParams& p) {
   v.choice({"kind", "", any_value(), "rectangle, icosphere, cylinder (an open tube), or file"}, p.kind, kMeshKinds);
   v.only(p.kind == MeshKind::file, "kind is not file", [&] {
@@ -88,6 +95,12 @@ void describe(ParameterVisitor& v, ShellSection& p) {
   v.section("tearing", "the sheet parts where it is stretched too far", p.tearing);
 }
 
+void describe(ParameterVisitor& v, Keyframe& p) {
+  v.number({"time", "s", between(0, 1e9), "when"}, p.time);
+  v.vector({"position", "m", between(-kFar, kFar), "of its middle, relative to the shape as given"}, p.position);
+  v.vector({"rotation", "deg", between(-1e6, 1e6), "about its middle: about x, y, z in that order"}, p.rotation);
+}
+
 void describe(ParameterVisitor& v, ObstacleParams& p) {
   v.text({"name", "", any_value(), "letters, digits, _ . -"}, p.name);
   v.choice({"kind", "", any_value(), "sphere, box, plane, or mesh (a closed PLY or OBJ)"}, p.kind, kObstacleKinds);
@@ -113,6 +126,9 @@ void describe(ParameterVisitor& v, ObstacleParams& p) {
   });
   v.number({"friction", "1", between(0, 100), "Coulomb coefficient, static and kinetic"}, p.friction);
   v.vector({"velocity", "m/s", between(-kFast, kFast), "rigid translation"}, p.velocity);
+  v.list("keyframes",
+         "instead of a velocity: where it is at times that follow each other; between them it goes straight",
+         p.keyframes);
 }
 
 void describe(ParameterVisitor& v, HeatSourceParams& p) {

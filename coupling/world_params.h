@@ -16,6 +16,9 @@
 
 namespace wick::coupling {
 
+/// Turns about x, y, z, in that order.
+Mat3 rotation(const Vec3& degrees);
+
 enum class MeshKind { rectangle, icosphere, cylinder, file };
 
 /// Where a sheet comes from and how it is placed: scaled, rotated about x, y, z in that order, then moved.
@@ -72,6 +75,14 @@ struct ShellSection {
 };
 void describe(ParameterVisitor& visitor, ShellSection& params);
 
+/// Where an obstacle is at one time.
+struct Keyframe {
+  double time = 0.0;             ///< [s]
+  Vec3 position = Vec3::Zero();  ///< of its middle, relative to the shape as given [m]
+  Vec3 rotation = Vec3::Zero();  ///< about its middle: about x, y, z in that order [degrees]
+};
+void describe(ParameterVisitor& visitor, Keyframe& keyframe);
+
 enum class ObstacleKind { sphere, box, plane, mesh };
 struct ObstacleParams {
   std::string name = "obstacle";
@@ -84,7 +95,8 @@ struct ObstacleParams {
   double scale = 1.0;                                              ///< mesh
   double spacing = 0.01;                                           ///< mesh: of the sampled distance [m]
   double friction = 0.3;
-  Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 velocity = Vec3::Zero();          ///< [m/s]
+  std::vector<Keyframe> keyframes = {};  ///< instead of a velocity
 };
 void describe(ParameterVisitor& visitor, ObstacleParams& params);
 

@@ -191,11 +191,29 @@ double fastest_in_box(const std::vector<Sheet>& sheets, const fluid::Grid& grid)
   return fastest;
 }
 
+namespace {
+
+/// Most distant from the pivot that a part of the obstacle within the box can be [m].
+double reach_in_box(const Obstacle& obstacle, const fluid::Grid& grid) {
+  double farthest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 share(corner & 1, corner >> 1 & 1, corner >> 2);
+    const Vec3 x = grid.origin + grid.h * share.cwiseProduct(Vec3(grid.nx, grid.ny, grid.nz));
+    farthest = std::max(farthest, (x - obstacle.pivot).norm());
+  }
+  if (const auto* ball = std::get_if<SphereShape>(&obstacle.shape)) return std::min(farthest, ball->radius);
+  if (const auto* box = std::get_if<BoxShape>(&obstacle.shape))
+    return std::min(farthest, 0.5 * (box->upper - box->lower).norm());
+  return farthest;
+}
+
+}  // namespace
+
 double fastest_in_box(const std::vector<Obstacle>& obstacles, const fluid::Grid& grid, double dt) {
   const Vec3 extent = grid.h * Vec3(grid.nx, grid.ny, grid.nz), center = grid.origin + 0.5 * extent;
   double fastest = 0.0;
   for (const Obstacle& obstacle : obstacles) {
-    const double speed = obstacle.velocity.norm();
+    const double speed = obstacle.velocity.norm() + obstacle.spin.norm() * reach_in_box(obstacle, grid);
     if (speed > fastest && sample_distance(obstacle, center).distance < 0.5 * extent.norm() + grid.h + speed * dt)
       fastest = speed;
   }

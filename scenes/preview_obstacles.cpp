@@ -74,13 +74,15 @@ double first_hit(const Obstacle& obstacle, const Camera& camera, const Vec3& ray
 
 void draw_obstacle(const Camera& camera, Canvas& canvas, const Obstacle& obstacle) {
   if (sample_distance(obstacle, camera.eye).distance <= 0.0) return;
-  const Vec3 eye = camera.eye - obstacle.displacement;
+  const Vec3 eye = obstacle.pose.body(camera.eye);
   const Vec3& color = std::holds_alternative<PlaneShape>(obstacle.shape) ? kGround : kBody;
   parallel_for(static_cast<std::size_t>(camera.height), 4, [&](std::size_t row) {
     for (int px = 0; px < camera.width; ++px) {
       const std::size_t at = px + std::size_t(camera.width) * row;
       const Vec3 ray = camera.ray(px, static_cast<int>(row));
-      Span span = std::visit([&](const auto& shape) { return span_of(shape, eye, ray); }, obstacle.shape);
+      Span span =
+          std::visit([&](const auto& shape) { return span_of(shape, eye, obstacle.pose.turn.transpose() * ray); },
+                     obstacle.shape);
       span.leave = std::min(span.leave, canvas.depth[at]);
       if (span.leave <= span.enter) continue;
       const double depth = first_hit(obstacle, camera, ray, span);

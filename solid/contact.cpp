@@ -35,21 +35,23 @@ double steepest_slope(const Obstacle& obstacle) {
 }
 
 double resolve_contact(const Obstacle& obstacle, double start, double h, double offset, Vec3& x, Vec3& previous) {
-  const Vec3 from = previous - start * obstacle.velocity;
-  Vec3 to = x - (start + h) * obstacle.velocity;
+  const Vec3 from = obstacle.rewound(previous, start);
+  Vec3 to = obstacle.rewound(x, start + h);
+  const bool turns = !obstacle.spin.isZero(0.0);
+  const Mat3 turned = turns ? obstacle.turn_in(start + h) : Mat3(Mat3::Identity());
 
   // What goes far goes on along the surface that it meets first. What is no deeper than the sheet is thick has come
   // in on this side.
   Entry entry;
   if ((to - from).squaredNorm() > offset * offset && sample_distance(obstacle, from).distance > -offset)
     entry = first_entry(obstacle, offset, from, to);
-  x += entry.depth * entry.normal;
+  x += turned * (entry.depth * entry.normal);
   to += entry.depth * entry.normal;
 
   const DistanceSample end = sample_distance(obstacle, to);
   const double depth = offset - end.distance;
   if (!(depth > 0.0) && entry.depth == 0.0) return -depth;
-  const Vec3 normal = depth > 0.0 ? end.gradient : entry.normal;
+  const Vec3 normal = turned * (depth > 0.0 ? end.gradient : entry.normal);
   const double pushed = std::max(depth, 0.0);
   x += pushed * normal;
 
@@ -58,7 +60,9 @@ double resolve_contact(const Obstacle& obstacle, double start, double h, double 
   previous += old_depth * normal;
 
   // Stick, or slide with the friction impulse that the normal impulse allows.
-  const Vec3 motion = x - previous - h * obstacle.velocity;
+  const Vec3 carried =
+      turns ? Vec3(h * obstacle.velocity_at(x - start * obstacle.velocity)) : Vec3(h * obstacle.velocity);
+  const Vec3 motion = x - previous - carried;
   const Vec3 sliding = motion - normal * normal.dot(motion);
   const double length = sliding.norm();
   const double allowed = obstacle.friction * (entry.depth + pushed - old_depth);

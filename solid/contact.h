@@ -9,7 +9,7 @@ namespace wick::solid {
 /// substep of length h; overlap that was there already is taken out of it too, so that it is undone without gaining
 /// speed. A way that is longer than the offset is followed from `previous` on, so that it cannot lead through a
 /// thin obstacle. Returns the distance of x to the obstacle afterwards, minus the offset; <= 0 (up to rounding): in
-/// contact. The obstacle is given where it was `start` before the substep and moves with its velocity.
+/// contact. The obstacle is given where it was `start` before the substep and moves with its velocity and spin.
 double resolve_contact(const Obstacle& obstacle, double start, double h, double offset, Vec3& x, Vec3& previous);
 
 /// A distance shrinks by at most this times the way gone; sampled distances are steeper than true ones.

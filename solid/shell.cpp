@@ -171,8 +171,6 @@ void ShellSolver::Impl::unbend() {
 
 /// Contact, then v = (x − xⁿ)/h. `start` is the time since the step began at which the substep does.
 void ShellSolver::Impl::finish(const std::vector<Obstacle>& obstacles, double start) {
-  double fastest = 0.0;
-  for (const Obstacle& o : obstacles) fastest = std::max(fastest, o.velocity.norm());
   parallel_chunks(vertex_count, kGrain, [&](std::size_t begin, std::size_t end) {
     Tally& counts = tally[begin / kGrain];
     counts.contacts = 0;
@@ -181,6 +179,8 @@ void ShellSolver::Impl::finish(const std::vector<Obstacle>& obstacles, double st
       const bool free = position[i].w > 0.0;
       if (free && !obstacles.empty()) {
         // A distance shrinks by no more than the way gone; twice that allows for the slope of sampled distances.
+        double fastest = 0.0;
+        for (const Obstacle& o : obstacles) fastest = std::max(fastest, o.speed_at(x));
         clearance[i] -= 2.0 * ((x - origin).norm() + h * fastest);
         if (!(clearance[i] > 0.0)) {
           clearance[i] = touch(obstacles, start, x, origin);

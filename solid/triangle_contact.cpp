@@ -68,7 +68,7 @@ DeepestPoint deepest_feature(const Obstacle& obstacle, const std::array<Vec3, 3>
     for (int n = 0; n < 8; ++n) {
       const Vec3 tip((n & 1 ? box->upper : box->lower).x(), (n & 2 ? box->upper : box->lower).y(),
                      (n & 4 ? box->upper : box->lower).z());
-      take_deeper(obstacle, corner, closest_weights(corner, tip + obstacle.displacement), best);
+      take_deeper(obstacle, corner, closest_weights(corner, obstacle.pose.place(tip)), best);
     }
   return best;
 }
@@ -140,7 +140,7 @@ bool reaches_between(const Obstacle& obstacle, double edge, double offset) {
 DeepestPoint deepest_point(const Obstacle& obstacle, const std::array<Vec3, 3>& corner) {
   const auto* sphere = std::get_if<SphereShape>(&obstacle.shape);
   if (sphere == nullptr) return descend(obstacle, corner);
-  const std::array<double, 3> weight = closest_weights(corner, sphere->center + obstacle.displacement);
+  const std::array<double, 3> weight = closest_weights(corner, obstacle.pose.place(sphere->center));
   return {weight, sample_distance(obstacle, point_of(corner, weight)).distance};
 }
 
@@ -152,12 +152,10 @@ TriangleContact::TriangleContact(const ShellMesh& mesh, double offset)
 
 void TriangleContact::begin_step(const std::vector<Obstacle>& obstacles) {
   obstacles_.clear();
-  fastest_ = 0.0;
   steepest_ = 1.0;
   for (const Obstacle& o : obstacles) {
     if (!reaches_between(o, longest_edge_, offset_)) continue;
     obstacles_.push_back(&o);
-    fastest_ = std::max(fastest_, o.velocity.norm());
     steepest_ = std::max(steepest_, steepest_slope(o));
   }
   std::fill(clearance_.begin(), clearance_.end(), 0.0);
@@ -174,17 +172,19 @@ void TriangleContact::find(std::size_t triangle, double start, double h, const s
     radius = std::max(radius, (x[k] - center).norm());
     way = std::max(way, (x[k] - vector(previous[v[k]])).norm());
   }
-  way += h * fastest_;
+  double fastest = 0.0;
+  for (const Obstacle* o : obstacles_) fastest = std::max(fastest, o->speed_at(center) + o->spin.norm() * radius);
+  way += h * fastest;
   const bool fast = way > offset_;
   for (const Obstacle* o : obstacles_) {
     const double slope = steepest_slope(*o), end = start + h;
     // Less than the nearest distance of the triangle, and then the more costly bounds.
-    double room = sample_distance(*o, center - end * o->velocity).distance - slope * radius - offset_;
+    double room = sample_distance(*o, o->rewound(center, end)).distance - slope * radius - offset_;
     if (room <= (fast ? slope * way : 0.0)) {
       std::array<Vec3, 3> from, to;
       for (int k = 0; k < 3; ++k) {
-        from[k] = vector(previous[v[k]]) - start * o->velocity;
-        to[k] = x[k] - end * o->velocity;
+        from[k] = o->rewound(vector(previous[v[k]]), start);
+        to[k] = o->rewound(x[k], end);
       }
       room = std::max(room, least_distance(*o, to) - offset_);
       // Corners that rest on a plane, or on a surface that is nearly one, keep the whole triangle out.
@@ -255,6 +255,23 @@ std::size_t TriangleContact::push_out(Touch touch, double start, double h, std::
   return newly_touched;
 }
 
+/// Of the obstacles at the vertices, and so on the triangles between them [m/s].
+double TriangleContact::fastest(const std::vector<Row>& position) const {
+  double most = 0.0;
+  for (const Obstacle* o : obstacles_) {
+    const double reach = o->spin.isZero(0.0)
+                             ? 0.0
+                             : parallel_max(position.size(), kGrain, 0.0, [&](std::size_t begin, std::size_t end) {
+                                 double farthest2 = 0.0;
+                                 for (std::size_t i = begin; i < end; ++i)
+                                   farthest2 = std::max(farthest2, (vector(position[i]) - o->pivot).squaredNorm());
+                                 return std::sqrt(farthest2);
+                               });
+    most = std::max(most, o->velocity.norm() + o->spin.norm() * reach);
+  }
+  return most;
+}
+
 std::size_t TriangleContact::resolve(double start, double h, std::vector<Row>& position, std::vector<Row>& previous,
                                      std::vector<Row>& velocity, std::vector<std::uint8_t>& touched) {
   if (obstacles_.empty()) return 0;
@@ -264,7 +281,7 @@ std::size_t TriangleContact::resolve(double start, double h, std::vector<Row>& p
       farthest2 = std::max(farthest2, (vector(position[i]) - vector(previous[i])).squaredNorm());
     return std::sqrt(farthest2);
   });
-  const double approach = steepest_ * (farthest + h * fastest_);
+  const double approach = steepest_ * (farthest + h * fastest(position));
   parallel_chunks(triangles_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Touch>& found = found_[begin / kGrain];
     found.clear();

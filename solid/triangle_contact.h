@@ -40,6 +40,7 @@ class TriangleContact {
     const Obstacle* obstacle;
     std::array<double, 3> weight;
   };
+  [[nodiscard]] double fastest(const std::vector<Row>& position) const;
   void find(std::size_t triangle, double start, double h, const std::vector<Row>& position,
             const std::vector<Row>& previous, std::vector<Touch>& found);
   bool push_point(const Touch& touch, double start, double h, std::vector<Row>& position,
@@ -50,7 +51,7 @@ class TriangleContact {
   std::vector<Int3> triangles_;
   double offset_, longest_edge_ = 0.0;
   std::vector<const Obstacle*> obstacles_;  ///< the step's, that can reach between vertices
-  double fastest_ = 0.0, steepest_ = 1.0;   ///< speed [m/s] and slope of distance among them
+  double steepest_ = 1.0;                   ///< slope of distance among them
   std::vector<double> clearance_;           ///< per triangle: a distance to all of them that is certainly there [m]
   std::vector<std::vector<Touch>> found_;   ///< one a chunk
 };

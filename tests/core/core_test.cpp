@@ -100,10 +100,10 @@ SampledShape sampled_ball() {
 TEST(Obstacle, SegmentsMeetWhatTheirPointsAreIn) {
   const Vec3 shift(0.02, -0.01, 0.03);
   const std::vector<Obstacle> obstacles = {
-      {.name = "s", .shape = SphereShape{Vec3(0.1, 0.2, 0.3), 0.5}, .displacement = shift},
-      {.name = "plate", .shape = BoxShape{Vec3(-0.6, -0.7, 0.1), Vec3(0.5, 0.4, 0.102)}, .displacement = shift},
-      {.name = "p", .shape = PlaneShape{Vec3::Zero(), Vec3(0.6, 0.0, 0.8)}, .displacement = shift},
-      {.name = "m", .shape = sampled_ball(), .displacement = shift}};
+      {.name = "s", .shape = SphereShape{Vec3(0.1, 0.2, 0.3), 0.5}, .pose = {.shift = shift}},
+      {.name = "plate", .shape = BoxShape{Vec3(-0.6, -0.7, 0.1), Vec3(0.5, 0.4, 0.102)}, .pose = {.shift = shift}},
+      {.name = "p", .shape = PlaneShape{Vec3::Zero(), Vec3(0.6, 0.0, 0.8)}, .pose = {.shift = shift}},
+      {.name = "m", .shape = sampled_ball(), .pose = {.shift = shift}}};
   for (const Obstacle& obstacle : obstacles) {
     int met = 0;
     for (std::uint64_t n = 0; n < 400; ++n) {
@@ -129,7 +129,7 @@ TEST(Obstacle, SegmentsMeetWhatTheirPointsAreIn) {
 }
 
 TEST(Obstacle, MovesWithItsDisplacement) {
-  Obstacle plane{.name = "p", .shape = PlaneShape{}, .displacement = Vec3(0, 0, 0.25)};
+  Obstacle plane{.name = "p", .shape = PlaneShape{}, .pose = {.shift = Vec3(0, 0, 0.25)}};
   EXPECT_DOUBLE_EQ(sample_distance(plane, Vec3(3, 4, 1)).distance, 0.75);
 }
 

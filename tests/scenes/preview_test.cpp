@@ -111,7 +111,7 @@ TEST(Preview, DrawsEveryShapeOfObstacle) {
 
 TEST(Preview, DrawsObstaclesWhereTheyHaveMoved) {
   Obstacle ball = body(SphereShape{Vec3::Zero(), 0.3});
-  ball.displacement = Vec3(0.5, 0, 0);
+  ball.pose.shift = Vec3(0.5, 0, 0);
   const std::vector<bool> seen = covered(ball);
   EXPECT_FALSE(seen[30 * 60 + 30]);
   EXPECT_TRUE(seen[30 * 60 + 30 + 20]);

@@ -85,7 +85,7 @@ TEST(ContactExtremes, CrushedToAHundredth) {
   const int frames = static_cast<int>((height - end) / speed / kFrame);
   for (int n = 0; n < frames; ++n) {
     group.step(kFrame);
-    for (Obstacle& o : sheet.obstacles) o.displacement += kFrame * o.velocity;
+    for (Obstacle& o : sheet.obstacles) o.pose.shift += kFrame * o.velocity;
     ASSERT_EQ(group.crossings(), 0U) << "frame " << n;
   }
   ASSERT_TRUE(group.finite());

@@ -66,7 +66,7 @@ TEST(Contact, AMovingFloorCarriesTheSheet) {
   sheet.obstacles[0].velocity = velocity;
   for (int k = 0; k < 60; ++k) {
     sheet.step(1.0 / 60.0);
-    sheet.obstacles[0].displacement += velocity / 60.0;
+    sheet.obstacles[0].pose.shift += velocity / 60.0;
   }
   for (const Vec3& v : sheet.state.v) EXPECT_LT((v - velocity).norm(), 1e-6);
   for (const Vec3& x : sheet.state.x) EXPECT_NEAR(x.z(), 0.2 + 0.5 * params.thickness, 1e-6);

@@ -157,11 +157,11 @@ TEST(TriangleContact, AFastRodPushesTheSheetThatItHitsBetweenVertices) {
     const int steps = std::max(1, static_cast<int>(std::ceil(until * 60.0)));
     for (int k = 0; k < steps; ++k) {
       sheet.step(until / steps);
-      sheet.obstacles[0].displacement += Vec3(0, 0, speed * until / steps);
+      sheet.obstacles[0].pose.shift += Vec3(0, 0, speed * until / steps);
     }
     EXPECT_GT(least_distance(sheet, sheet.obstacles[0]), 0.0) << speed;
     // The sheet over the rod's axis is above the rod, or has been thrown off.
-    const Vec3 top = sheet.obstacles[0].displacement + center + Vec3(0, 0, half.z());
+    const Vec3 top = sheet.obstacles[0].pose.shift + center + Vec3(0, 0, half.z());
     EXPECT_GT(height_over(sheet, top), top.z()) << speed;
   }
 }
@@ -204,7 +204,7 @@ TEST(TriangleContact, APinInsideAnObstacleThrowsNothing) {
     double fastest = 0.0, highest = 0.0;
     for (int k = 0; k < 40; ++k) {  // until the obstacle is a third of the sheet beyond the pins
       fastest = std::max(fastest, sheet.step(1.0 / 60.0).max_speed);
-      sheet.obstacles[0].displacement += obstacle.velocity / 60.0;
+      sheet.obstacles[0].pose.shift += obstacle.velocity / 60.0;
       for (const Vec3& x : sheet.state.x) highest = std::max(highest, x.norm());
     }
     EXPECT_LT(fastest, 20.0) << ball;
