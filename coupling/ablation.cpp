@@ -30,12 +30,18 @@ Content content(const Sheet& sheet, const WorldParams& world) {
 bool cut_along_rim(Sheet& sheet, const WorldParams& world, std::vector<Vec3>& push) {
   std::vector<double> level = sheet.burning.fraction_left;
   for (double& l : level) l -= world.burning->removal;
-  solid::CutSurface surface{sheet.mesh.rest, sheet.mesh.triangles, sheet.snapping};
+  solid::CutSurface surface{sheet.mesh.rest,
+                            sheet.mesh.triangles,
+                            sheet.snapping,
+                            {sheet.burning.fraction_left, sheet.theta},
+                            {world.burning->ash, 0.0}};
   const solid::MeshCut cut = solid::cut_below(surface, std::move(level));
   if (!cut.any()) return false;
   sheet.mesh.rest = std::move(surface.rest);
   sheet.mesh.triangles = std::move(surface.triangles);
   sheet.snapping = std::move(surface.snapping);
+  sheet.burning.fraction_left = std::move(surface.density[0]);
+  sheet.theta = std::move(surface.density[1]);
   follow_mesh(sheet, world, cut.blends, push);
   return true;
 }

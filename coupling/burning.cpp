@@ -73,10 +73,11 @@ void describe(ParameterVisitor& v, BurningParams& p) {
               "their last corner is below it (always so where motion moves the sheet)"},
              p.rim, kRimNames);
     v.only(p.rim == BurntRim::cut, "rim is not cut", [&] {
-      v.number({"rim_snap", "1", between(0.05, 0.45),
-                "vertices nearer to the contour than this share of the sheet's edges are moved onto it instead of "
-                "cutting edges; small values make small triangles"},
-               p.rim_snap);
+      v.number(
+          {"rim_snap", "1", between(0.05, 0.45),
+           "vertices nearer to the contour than this share of the sheet's edges are moved onto it (those of the "
+           "rim once they are half as far from it) instead of cutting edges; small values make small triangles"},
+          p.rim_snap);
     });
   });
   v.number({"ember_size", "m", between(0, 1e3),
@@ -84,7 +85,9 @@ void describe(ParameterVisitor& v, BurningParams& p) {
             OnResume::may_change},
            p.ember_size);
   v.only(p.ember_size > 0.0, "ember_size is 0", [&] {
-    v.number({"ember_life", "s", between(0, 1e6), "after this an ember goes out and is booked as ash",
+    v.number({"ember_life", "s", between(0, 1e6),
+              "after this an ember goes out and is booked as ash; so it does where it meets an obstacle or leaves "
+              "the gas",
               OnResume::may_change},
              p.ember_life);
   });

@@ -54,6 +54,16 @@ std::vector<std::string> idle_parameters(const WorldParams& p) {
                   p.diffusion->porous.effective_stress > 0.0 &&
                   std::none_of(p.shells.begin(), p.shells.end(), computed),
               "/diffusion/porous/effective_stress", "no sheet is moved by the shell solver");
+  const BurningParams usual;
+  const bool any_free = std::any_of(p.shells.begin(), p.shells.end(), computed);
+  finder.note(p.burning && !any_free && p.burning->ember_size != usual.ember_size, "/burning/ember_size",
+              "no sheet is moved by the shell solver, so that nothing falls");
+  finder.note(p.burning && !any_free && p.burning->ember_life != usual.ember_life, "/burning/ember_life",
+              "no sheet is moved by the shell solver, so that nothing falls");
+  for (std::size_t n = 0; n < p.shells.size(); ++n)
+    finder.note(
+        !p.burning && p.shells[n].tearing && p.shells[n].tearing->char_strength != TearingParams{}.char_strength,
+        "/shells/" + std::to_string(n) + "/tearing/char_strength", "there is no burning section");
   finder.note(p.burning && p.burning->removal > 0.0 && p.burning->removal <= p.burning->ash, "/burning/removal",
               "nothing burns below /burning/ash, which is not less");
   return finder.take();

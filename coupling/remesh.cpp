@@ -24,7 +24,8 @@ class ForceDensity {
   std::vector<Vec3>& force_;
 };
 
-/// Everything that the sheet keeps per vertex, but for forces and what is rebuilt.
+/// Everything that the sheet keeps per vertex, but for forces, what is rebuilt, and mass and heat, which have been
+/// kept as integrals.
 void blend_values(Sheet& sheet, const std::vector<solid::Blend>& blends) {
   const auto blend = [&](auto& values) {
     if (!values.empty()) solid::apply(blends, values);
@@ -32,11 +33,26 @@ void blend_values(Sheet& sheet, const std::vector<solid::Blend>& blends) {
   blend(sheet.mesh.material);
   blend(sheet.state.x);
   blend(sheet.state.v);
-  blend(sheet.theta);
   blend(sheet.strain_added);
-  blend(sheet.burning.fraction_left);
   blend(sheet.burning.curl);
   blend(sheet.seen_x);
+}
+
+/// Copies of a vertex start a hair apart, each towards the triangles that are its own: contact keeps apart what is
+/// apart, and what touches in a point has no side.
+void part_twins(Sheet& sheet, const std::vector<solid::Blend>& blends) {
+  constexpr double kHair = 1e-3;
+  const std::vector<Vec3> x = sheet.state.x;
+  const auto draw_in = [&](std::int32_t i) {
+    Vec3 middle = Vec3::Zero();
+    const std::int32_t first = sheet.mesh.incident_offset[i], end = sheet.mesh.incident_offset[i + 1];
+    for (std::int32_t k = first; k < end; ++k)
+      for (const std::int32_t j : sheet.mesh.triangles[sheet.mesh.incident[k]])
+        middle += x[j] / (3.0 * (end - first));
+    if (end > first) sheet.state.x[i] = x[i] + kHair * (middle - x[i]);
+  };
+  for (const solid::Blend& twin : blends)
+    if (twin.a == twin.b) draw_in(twin.vertex), draw_in(twin.a);
 }
 
 /// A pin holds a place of the material: where that has burnt it lets go.
@@ -66,6 +82,7 @@ void follow_mesh(Sheet& sheet, const WorldParams& world, const std::vector<solid
   blend_values(sheet, blends);
   rebuild_topology(sheet, world);
   release_burnt_pins(sheet, blends);
+  part_twins(sheet, blends);
   pushed.spread(sheet.mesh);
   relaxed.spread(sheet.mesh);
 }

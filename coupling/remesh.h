@@ -6,9 +6,9 @@
 
 namespace wick::coupling {
 
-/// Lets everything follow after the sheet's triangles, places at rest and snapping distances have been changed:
-/// values at vertices as `blends` tell, forces (`push` [N], one a vertex or empty, among them), pins, what the mesh
-/// derives, solvers, inputs.
+/// Lets everything follow after the sheet's triangles, places at rest, snapping distances, mass and heat have been
+/// changed: other values at vertices as `blends` tell, forces (`push` [N], one a vertex or empty, among them),
+/// pins, what the mesh derives, solvers, inputs.
 void follow_mesh(Sheet& sheet, const WorldParams& world, const std::vector<solid::Blend>& blends,
                  std::vector<Vec3>& push);
 

@@ -37,7 +37,8 @@ std::size_t tear_sheet(Sheet& sheet, const WorldParams& world, std::vector<Vec3>
   const solid::MeshCut cut = solid::tear(sheet.mesh, strains, strength, sheet.mesh.triangles);
   if (!cut.any()) return 0;
   solid::apply(cut.blends, sheet.mesh.rest);
-  if (!sheet.snapping.empty()) solid::apply(cut.blends, sheet.snapping);
+  for (std::vector<double>* values : {&sheet.snapping, &sheet.theta, &sheet.burning.fraction_left})
+    if (!values->empty()) solid::apply(cut.blends, *values);
   follow_mesh(sheet, world, cut.blends, push);
   return cut.born;
 }

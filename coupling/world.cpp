@@ -282,11 +282,10 @@ void World::Impl::shed_ash() {
   if (!params.burning) return;
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     const Ablated gone = ablate(sheets[s], params, push[s]);
-    if (!gone.any) continue;
     ledgers["solid"].book_flow("ash", -gone.mass);
     ledgers["heat"].book_flow("ash", -gone.heat);
-    shed_embers(sheets[s], params, push[s], embers);
-    contact.reset();
+    const std::size_t shed = shed_embers(sheets[s], params, push[s], embers);
+    if (gone.any || shed > 0) contact.reset();
   }
 }
 

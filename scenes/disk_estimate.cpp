@@ -44,8 +44,13 @@ std::uint64_t volume_bytes(const Scene& scene) {
 std::uint64_t mesh_bytes(const coupling::World& world, const Scene& scene) {
   if (!scene.output.mesh.write) return 0;
   std::uint64_t bytes = 0;
-  for (const coupling::ShellView& view : world.shells())
-    bytes += 1000 + view.x->size() * (48 + 4 * view.values.size()) + 13 * view.mesh->triangle_count();
+  for (std::size_t n = 0; n < world.shells().size(); ++n) {
+    const coupling::ShellView view = world.shells()[n];
+    // At worst every triangle of a sheet that tears ends with corners of its own.
+    const bool tears = scene.world.shells[n].tearing.has_value();
+    const std::size_t vertices = tears ? 3 * view.mesh->triangle_count() : view.x->size();
+    bytes += 1000 + vertices * (48 + 4 * view.values.size()) + 13 * view.mesh->triangle_count();
+  }
   if (coupling::sheds_embers(scene.world)) bytes += 1000 + 40 * world.embers().x->size();
   return bytes;
 }

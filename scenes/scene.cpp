@@ -107,7 +107,11 @@ void require_enough_steps(const Scene& scene) {
 
 /// A recorded motion has the same vertices in every frame.
 void require_lasting_vertices(const Scene& scene) {
-  if (!scene.output.motion.write || !scene.world.burning) return;
+  if (!scene.output.motion.write) return;
+  for (std::size_t n = 0; n < scene.world.shells.size(); ++n)
+    require(!scene.world.shells[n].tearing, "/output/motion/write",
+            fmt::format("cannot record sheets that tear (vertices come); remove /shells/{}/tearing", n));
+  if (!scene.world.burning) return;
   const coupling::BurningParams& burning = *scene.world.burning;
   require(
       burning.removal <= burning.ash || burning.rim == coupling::BurntRim::whole, "/output/motion/write",

@@ -16,6 +16,8 @@ namespace {
 constexpr double kOffsetPerEdge = 0.3;
 /// Neighbours keep at most this part of their distance at rest: compression must not feel like contact.
 constexpr double kRestShare = 0.5;
+/// Nearer at rest than this part of what they keep is the same place.
+constexpr double kSamePlace = 1e-6;
 /// Drift of a pair of clusters that is searched for at least, in mean edges. More would watch many pairs that never
 /// meet, which costs more than searching again.
 constexpr double kLeastBudget = 0.1;
@@ -185,7 +187,9 @@ void PairFinder::Query::try_pair(FeaturePair kind, const std::array<Lanes, 4>& x
   if (!(distance < within)) return;
   if (mesh.sheet[v[0]] == mesh.sheet[v[3]]) {
     const std::array<Vec3, 4> at_rest = {mesh.rest[v[0]], mesh.rest[v[1]], mesh.rest[v[2]], mesh.rest[v[3]]};
-    keep = std::min(keep, kRestShare * closest(kind, at_rest).distance);
+    const double apart = closest(kind, at_rest).distance;
+    // The lips of a tear lie upon each other at rest, and are no neighbours any more.
+    if (apart > kSamePlace * keep) keep = std::min(keep, kRestShare * apart);
   }
   // What has not been marked has moved since it was noted, by no more than its reach and the budget.
   double allowance = distance - keep + clusters.drifted - stale;

@@ -18,6 +18,17 @@ struct Crossed {
   [[nodiscard]] double from_plus() const { return (1.0 - share) * length; }
 };
 
+/// A triangle of a vertex's star: the other corners in its sense, and whether they are joined to it by no other
+/// one.
+struct Fan {
+  std::int32_t b, c;
+  bool b_outer, c_outer;
+};
+
+double area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
 /// One pass over the triangles: signs, moves, births, pieces.
 class Pass {
  public:
@@ -53,6 +64,8 @@ class Pass {
   void move_onto_contour(std::int32_t vertex, std::vector<const Crossed*>& ways, bool from_minus);
   [[nodiscard]] bool fits(std::int32_t vertex, const Vec3& place) const;
   [[nodiscard]] bool on_rim(std::int32_t vertex) const;
+  [[nodiscard]] std::vector<Fan> fan_that_stays(std::int32_t vertex) const;
+  bool move(std::int32_t vertex, const Blend& blend, const Vec3& place);
   [[nodiscard]] std::int32_t born_on(std::int32_t minus, std::int32_t plus) const;
 
   CutSurface& surface_;
@@ -141,8 +154,8 @@ bool Pass::on_rim(std::int32_t vertex) const {
   return false;
 }
 
-/// Puts a vertex onto the contour along the first of `ways`, nearest first, that its triangles bear. One that none
-/// fits stays where it is and counts as being there.
+/// Puts a vertex onto the contour along the first of `ways`, nearest first, that its triangles and what is on them
+/// bear. One that none fits stays where it is and counts as being there.
 void Pass::move_onto_contour(std::int32_t vertex, std::vector<const Crossed*>& ways, bool from_minus) {
   const auto distance = [&](const Crossed* c) { return from_minus ? c->from_minus() : c->from_plus(); };
   std::stable_sort(ways.begin(), ways.end(),
@@ -154,12 +167,59 @@ void Pass::move_onto_contour(std::int32_t vertex, std::vector<const Crossed*>& w
     const Vec3 place = surface_.rest[vertex] + share * (surface_.rest[to] - surface_.rest[vertex]);
     if (distance(way) > surface_.snapping[vertex]) return;
     if (!fits(vertex, place)) continue;
-    surface_.rest[vertex] = place;
-    level_[vertex] = 0.0;
-    cut_.blends.push_back({vertex, vertex, to, share});
-    ++cut_.moved;
-    return;
+    if (move(vertex, {vertex, vertex, to, share}, place)) return;
   }
+}
+
+std::vector<Fan> Pass::fan_that_stays(std::int32_t vertex) const {
+  std::vector<Fan> fan;
+  for (const std::int32_t t : stars_[star_of_[vertex]]) {
+    const Int3& v = surface_.triangles[t];
+    const int k = v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2;
+    const std::int32_t b = v[(k + 1) % 3], c = v[(k + 2) % 3];
+    if (sign_[b] > 0 || sign_[c] > 0) fan.push_back({b, c, true, true});
+  }
+  for (Fan& one : fan)
+    for (const Fan& other : fan) {
+      one.b_outer = one.b_outer && other.c != one.b;
+      one.c_outer = one.c_outer && other.b != one.c;
+    }
+  return fan;
+}
+
+/// What stays of a vertex's star loses the triangles between its old and its new place along its outer edges (or
+/// gains them, where it moves outwards), with what is linear on them; the value at the new place follows from what
+/// is then left. Does nothing where that would be less than the least or more than all values around.
+bool Pass::move(std::int32_t vertex, const Blend& blend, const Vec3& place) {
+  const std::vector<Fan> fan = fan_that_stays(vertex);
+  const std::vector<Vec3>& x = surface_.rest;
+  const Vec3& old = x[vertex];
+  std::vector<double> values;
+  for (std::size_t d = 0; d < surface_.density.size(); ++d) {
+    const std::vector<double>& q = surface_.density[d];
+    const double carried = q[blend.a] + blend.share * (q[blend.b] - q[blend.a]);
+    double kept = 0.0, others = 0.0, weight = 0.0, most = q[vertex];
+    for (const Fan& t : fan) {
+      const Vec3 normal = (x[t.b] - old).cross(x[t.c] - old).normalized();
+      kept += area(old, x[t.b], x[t.c]) * (q[vertex] + q[t.b] + q[t.c]) / 3.0;
+      if (t.b_outer)
+        kept -= 0.5 * (x[t.b] - old).cross(place - old).dot(normal) * (q[vertex] + q[t.b] + carried) / 3.0;
+      if (t.c_outer)
+        kept -= 0.5 * (place - old).cross(x[t.c] - old).dot(normal) * (q[vertex] + q[t.c] + carried) / 3.0;
+      const double now = area(place, x[t.b], x[t.c]) / 3.0;
+      others += now * (q[t.b] + q[t.c]);
+      weight += now;
+      most = std::max({most, q[t.b], q[t.c]});
+    }
+    values.push_back(weight > 0.0 ? (kept - others) / weight : carried);
+    if (values.back() < surface_.least[d] || values.back() > most) return false;
+  }
+  for (std::size_t d = 0; d < values.size(); ++d) surface_.density[d][vertex] = values[d];
+  surface_.rest[vertex] = place;
+  level_[vertex] = 0.0;
+  cut_.blends.push_back(blend);
+  ++cut_.moved;
+  return true;
 }
 
 /// Burnt ends near the contour, unless the other end of the shortest way is nearer. Those of the rim wait until the
@@ -214,6 +274,7 @@ void Pass::make_vertices() {
     cut_.blends.push_back(blend);
     apply({blend}, surface_.rest);
     apply({blend}, surface_.snapping);
+    for (std::vector<double>& density : surface_.density) apply({blend}, density);
     level_.push_back(0.0);
     sign_.push_back(0);
     ++cut_.born;
@@ -313,6 +374,7 @@ void split_fans(CutSurface& surface, MeshCut& cut) {
         cut.blends.push_back(twin);
         apply({twin}, surface.rest);
         apply({twin}, surface.snapping);
+        for (std::vector<double>& density : surface.density) apply({twin}, density);
         for (const std::int32_t t : fan)
           std::replace(surface.triangles[t].begin(), surface.triangles[t].end(), vertex, twin.vertex);
         ++cut.born;

@@ -35,6 +35,10 @@ struct CutSurface {
   std::vector<Vec3> rest;        ///< V [m]
   std::vector<Int3> triangles;   ///< T, a manifold with or without rim, alike oriented
   std::vector<double> snapping;  ///< distance to the contour up to which a vertex is moved onto it [m], V
+  /// Densities that are linear on each triangle, V each, with the least that each may be. They go along; where a
+  /// vertex is moved, its value is that which keeps the integral over what stays.
+  std::vector<std::vector<double>> density = {};
+  std::vector<double> least = {};
 };
 
 struct MeshCut {

@@ -175,6 +175,40 @@ TEST(Ablation, EmbersFallAtTheSpeedThatTheirDragBears) {
   EXPECT_NEAR(lost.mass, 5e-6, 1e-18);
 }
 
+/// Ash is never taken back, and of what is consumed at least the share that does not burn falls as ash; little more
+/// than what is cut off has left.
+TEST(Ablation, AshIsWhatDoesNotBurn) {
+  for (const double snap : {0.05, 0.3, 0.45})
+    for (const bool tube : {false, true}) {
+      WorldParams params = lit_in_the_middle(24);
+      params.shells[0].pins.clear();
+      params.shells[0].moves = false;
+      if (tube) {
+        params.shells[0].mesh.kind = MeshKind::cylinder;
+        params.shells[0].mesh.vertices = {40, 30};
+        params.shells[0].mesh.size = Vec2(0.05, 0.2);
+        params.shells[0].mesh.position = Vec3(0.5, 0.5, 0.3);
+      }
+      params.burning->rim_snap = snap;
+      params.burning->rate = 6.0;
+      params.heat.loss = 0.02;
+      params.heat_sources[0].radius = 0.06;
+      World world(params);
+      const double whole = world.ledgers().at("solid").stocks().at("sheet");
+      double fallen = 0.0;
+      for (int n = 0; n < 500; ++n) {
+        world.step(1.0 / 60);
+        const auto& flows = world.ledgers().at("solid").flows();
+        const double now = flows.contains("ash") ? -flows.at("ash") : 0.0;
+        ASSERT_GE(now, fallen - 1e-12 * whole) << snap << ", frame " << n;
+        fallen = now;
+      }
+      EXPECT_EQ(world.shells()[0].mesh->triangle_count(), 0u) << snap;
+      EXPECT_GE(fallen / whole, params.burning->ash) << snap << " " << tube;
+      EXPECT_LE(fallen / whole, 1.2 * params.burning->removal) << snap << " " << tube;
+    }
+}
+
 /// Whole triangles, as sheets with a motion of their own lose them: a subset of those of the start.
 TEST(Ablation, WholeTrianglesStayThoseOfTheStart) {
   WorldParams params = lit_in_the_middle(21);

@@ -3,6 +3,7 @@
 
 #include "core/parallel.h"
 #include "coupling/world.h"
+#include "solid/crossings.h"
 #include "tests/support/memory_state.h"
 #include "tests/support/worlds.h"
 
@@ -85,6 +86,32 @@ TEST(Tearing, TheSameBitsAtOneAndTwoThreadsAndAfterARestart) {
   second.restored();
   for (int n = 0; n < 10; ++n) second.step(1.0 / 60);
   EXPECT_EQ(second.state_hash(), whole);
+}
+
+/// Shredded sheets, whose lips lie upon each other where they have just torn, do not pass through themselves.
+TEST(Tearing, LipsDoNotPassThroughEachOther) {
+  for (const double depth : {0.0, 9.81}) {
+    WorldParams params;
+    params.gravity = Vec3(0, depth, 0);  // in the sheet's plane, and across it
+    ShellSection sheet = test::flat_sheet(24, 0.3, 0.4);
+    sheet.mesh.rotation = depth > 0.0 ? Vec3(0, 0, 0) : Vec3(90, 0, 0);
+    sheet.mesh.wrinkle = depth > 0.0 ? 0.001 : 0.0;
+    sheet.material.substeps = 40;
+    sheet.pins.push_back({.edge = PinEdge::lower_x, .velocity = Vec3(-0.3, 0, 0), .stop_time = 10.0});
+    sheet.pins.push_back({.edge = PinEdge::upper_x, .velocity = Vec3(0.3, 0, 0), .stop_time = 10.0});
+    sheet.tearing.emplace();
+    sheet.tearing->strain = 0.02;
+    params.shells.push_back(sheet);
+    params.contact.emplace();
+    World world(params);
+    for (int n = 0; n < 30; ++n) {
+      world.step(1.0 / 24);
+      const ShellView view = world.shells()[0];
+      const std::array<solid::PosedSheet, 1> posed = {{{view.mesh, view.x}}};
+      ASSERT_EQ(solid::find_crossings(posed).size(), 0u) << "frame " << n;
+    }
+    EXPECT_GT(part_areas(*world.shells()[0].mesh).size(), 2u);
+  }
 }
 
 /// Char is weaker: a burning sheet tears along its scorched line, an unburnt one of the same load does not.
