@@ -7,6 +7,7 @@
 
 #include "coupling/world.h"
 #include "scenes/scene_file.h"
+#include "solid/crossings.h"
 
 namespace wick::scenes {
 namespace {
@@ -174,6 +175,11 @@ TEST(Bundled, BurningBunnyIsPhysical) {
   expect_closed(run(bundled("burning_bunny"), 6, kEverything));
 }
 
+TEST(Bundled, CurtainFireIsPhysical) {
+  expect_closed(run(bundled("curtain_fire", {"/smoke/resolution=[28,28,42]"}), 8,
+                    {"shell", "contact", "diffusion", "smoke", "burning"}));
+}
+
 TEST(Bundled, HangingClothIsPhysicalAndOnlyAShell) {
   expect_closed(run(bundled("hanging_cloth"), 12, {"shell"}));
 }
@@ -191,6 +197,21 @@ TEST(Bundled, SmokePlumeIsPhysicalAndOnlySmoke) {
 TEST(LongBundled, HeatInTheGasClosesLikeThatOfAnIsolatedSheet) {
   expect_closed(run(bundled("smoke_plume"), 96, {"smoke"}));
   expect_closed(run(bundled("burning_sheet"), 24, kEverything));
+}
+
+/// One curtain burns away; the fire takes the other, and nothing passes through anything.
+TEST(LongBundled, TheFireTakesTheOtherCurtain) {
+  const Scene scene = bundled("curtain_fire");
+  coupling::World world(scene.world);
+  const std::size_t whole = world.shells()[1].mesh->triangle_count();
+  for (int frame = 2; frame <= scene.frames; ++frame) {
+    world.step(1.0 / scene.fps);
+    std::vector<solid::PosedSheet> posed;
+    for (const coupling::ShellView& view : world.shells()) posed.push_back({view.mesh, view.x});
+    ASSERT_EQ(solid::find_crossings(posed).size(), 0u) << "frame " << frame;
+  }
+  EXPECT_LT(world.shells()[0].mesh->triangle_count(), whole / 10);
+  EXPECT_LT(world.shells()[1].mesh->triangle_count(), whole * 9 / 10);
 }
 
 TEST(LongBundled, GasIsNoHotterThanAFlame) {
