@@ -1,7 +1,5 @@
 #include "coupling/ablation.h"
 
-#include <algorithm>
-
 #include "coupling/remesh.h"
 
 namespace wick::coupling {
@@ -50,8 +48,9 @@ bool cut_along_rim(Sheet& sheet, const WorldParams& world, std::vector<Vec3>& pu
 
 Ablated ablate(Sheet& sheet, const WorldParams& world, std::vector<Vec3>& push) {
   const BurningParams& burning = *world.burning;
-  const bool any_burnt = std::any_of(sheet.burning.fraction_left.begin(), sheet.burning.fraction_left.end(),
-                                     [&](double left) { return left < burning.removal; });
+  bool any_burnt = false;
+  for (std::size_t i = 0; i < sheet.burning.fraction_left.size() && !any_burnt; ++i)
+    any_burnt = sheet.mesh.vertex_area[i] > 0.0 && sheet.burning.fraction_left[i] < burning.removal;
   if (!any_burnt) return {};
   const Content before = content(sheet, world);
   const bool whole = burning.rim == BurntRim::whole || sheet.driven();

@@ -40,7 +40,7 @@ struct ShellView {
   const std::vector<Vec3>* v;
   /// Named per-vertex values: temperature [K], saturation, char (1 - mu), u, C; only those that the scene has.
   std::vector<std::pair<std::string, std::vector<float>>> values;
-  const solid::ShellMesh* original = nullptr;  ///< as built: the same vertices, and the triangles lost since
+  const solid::ShellMesh* original = nullptr;  ///< as built
 };
 
 /// Embers as an output writer sees them, one entry each. Pointers are valid until the next step.

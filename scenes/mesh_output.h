@@ -8,7 +8,7 @@ namespace wick::scenes {
 
 /// Vertices with x y z, nx ny nz, vx vy vz [m/s], s t (material coordinates [m], where the sheet has them),
 /// red green blue alpha (sRGB, glow included), and every named value of the view as a float; then the triangles.
-/// Vertices keep their numbers from frame to frame; those in no triangle stay with a zero normal.
+/// Those that a triangle names are written, with the number that they keep from frame to frame as the int `id`.
 Bytes shell_ply(const coupling::ShellView& view, UpAxis up_axis);
 
 /// Pieces that have burnt off, as points: x y z, vx vy vz, radius [m], temperature [K], red green blue alpha, id.

@@ -1,8 +1,6 @@
 #include "solid/mesh_cut.h"
 
 #include <algorithm>
-#include <numeric>
-#include <span>
 #include <utility>
 
 namespace wick::solid {
@@ -336,52 +334,6 @@ void Pass::cut_triangles() {
 }
 
 }  // namespace
-
-void split_fans(CutSurface& surface, MeshCut& cut) {
-  const std::size_t vertices = surface.rest.size();
-  std::vector<std::int32_t> offset(vertices + 1, 0);
-  for (const Int3& v : surface.triangles)
-    for (const std::int32_t i : v) ++offset[i + 1];
-  std::partial_sum(offset.begin(), offset.end(), offset.begin());
-  std::vector<std::int32_t> incident(3 * surface.triangles.size()), next(offset.begin(), offset.end() - 1);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    for (const std::int32_t i : surface.triangles[t]) incident[next[i]++] = static_cast<std::int32_t>(t);
-
-  std::vector<std::int32_t> rest_of_star, fan;
-  for (std::size_t i = 0; i < vertices; ++i) {
-    const auto vertex = static_cast<std::int32_t>(i);
-    rest_of_star.assign(incident.begin() + offset[i], incident.begin() + offset[i + 1]);
-    const auto others = [&](std::int32_t t) {
-      const Int3& v = surface.triangles[t];
-      const int k = v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2;
-      return std::pair(v[(k + 1) % 3], v[(k + 2) % 3]);
-    };
-    bool first = true;
-    while (!rest_of_star.empty()) {
-      fan.assign(1, rest_of_star.front());
-      rest_of_star.erase(rest_of_star.begin());
-      for (std::size_t n = 0; n < fan.size(); ++n) {
-        const auto [b, c] = others(fan[n]);
-        for (auto at = rest_of_star.begin(); at != rest_of_star.end();) {
-          const auto [d, e] = others(*at);
-          const bool joined = b == e || c == d;
-          if (joined) fan.push_back(*at);
-          at = joined ? rest_of_star.erase(at) : at + 1;
-        }
-      }
-      if (!std::exchange(first, false)) {
-        const Blend twin{static_cast<std::int32_t>(surface.rest.size()), vertex, vertex, 0.0};
-        cut.blends.push_back(twin);
-        apply({twin}, surface.rest);
-        apply({twin}, surface.snapping);
-        for (std::vector<double>& density : surface.density) apply({twin}, density);
-        for (const std::int32_t t : fan)
-          std::replace(surface.triangles[t].begin(), surface.triangles[t].end(), vertex, twin.vertex);
-        ++cut.born;
-      }
-    }
-  }
-}
 
 MeshCut cut_below(CutSurface& surface, std::vector<double> level) {
   MeshCut cut;

@@ -112,11 +112,7 @@ TEST(Ablation, TheSameBitsAtOneAndTwoThreadsAndAfterARestart) {
   EXPECT_EQ(hash_at(2), whole);
   World first(params), second(params);
   for (int n = 0; n < 70; ++n) first.step(1.0 / 60);
-  test::MemoryState store;
-  first.visit(store);
-  store.saving = false;
-  second.visit(store);
-  second.restored();
+  test::continue_from(first, second);
   EXPECT_EQ(second.state_hash(), first.state_hash());
   for (int n = 0; n < 20; ++n) second.step(1.0 / 60);
   EXPECT_EQ(second.state_hash(), whole);

@@ -80,11 +80,7 @@ TEST(Keyframes, TheGasIsSweptAndARestartIsTheSame) {
     for (const float v : whole.smoke()->velocity[0]) ASSERT_TRUE(std::isfinite(v));
   }
   for (int n = 0; n < 30; ++n) first.step(1.0 / 60);
-  test::MemoryState store;
-  first.visit(store);
-  store.saving = false;
-  second.visit(store);
-  second.restored();
+  test::continue_from(first, second);
   for (int n = 0; n < 20; ++n) second.step(1.0 / 60);
   EXPECT_EQ(second.state_hash(), whole.state_hash());
 }

@@ -267,11 +267,7 @@ TEST(MotionInGas, ContinuesBitForBitFromItsState) {
   World whole(params), first(params), second(params);
   for (int n = 0; n < 24; ++n) whole.step(1.0 / 24);
   for (int n = 0; n < 15; ++n) first.step(1.0 / 24);
-  test::MemoryState store;
-  first.visit(store);
-  store.saving = false;
-  second.visit(store);
-  second.restored();
+  test::continue_from(first, second);
   for (int n = 0; n < 9; ++n) second.step(1.0 / 24);
   EXPECT_EQ(whole.state_hash(), second.state_hash());
   EXPECT_LT(whole.shell_metrics().at("sheet").at("mass"),

@@ -79,11 +79,7 @@ TEST(Tearing, TheSameBitsAtOneAndTwoThreadsAndAfterARestart) {
   EXPECT_EQ(hash_at(2), whole);
   World first(params), second(params);
   for (int n = 0; n < 80; ++n) first.step(1.0 / 60);
-  test::MemoryState store;
-  first.visit(store);
-  store.saving = false;
-  second.visit(store);
-  second.restored();
+  test::continue_from(first, second);
   for (int n = 0; n < 10; ++n) second.step(1.0 / 60);
   EXPECT_EQ(second.state_hash(), whole);
 }

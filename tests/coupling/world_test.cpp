@@ -72,11 +72,7 @@ TEST(World, ContinuesBitForBitFromItsState) {
   World whole(burning_world()), first(burning_world()), second(burning_world());
   for (int n = 0; n < 24; ++n) whole.step(1.0 / 24);
   for (int n = 0; n < 15; ++n) first.step(1.0 / 24);
-  test::MemoryState store;
-  first.visit(store);
-  store.saving = false;
-  second.visit(store);
-  second.restored();
+  test::continue_from(first, second);
   EXPECT_EQ(first.state_hash(), second.state_hash());
   for (int n = 0; n < 9; ++n) second.step(1.0 / 24);
   EXPECT_EQ(whole.state_hash(), second.state_hash());
@@ -362,11 +358,7 @@ TEST(World, SheetsThatTouchAreStepsOfOneState) {
     ASSERT_EQ(crossings(whole), 0U) << "frame " << n;
   }
   for (int n = 0; n < 6; ++n) first.step(1.0 / 24);
-  test::MemoryState store;
-  first.visit(store);
-  store.saving = false;
-  second.visit(store);
-  second.restored();
+  test::continue_from(first, second);
   for (int n = 0; n < 4; ++n) second.step(1.0 / 24);
   EXPECT_EQ(second.state_hash(), whole.state_hash());
   const std::vector<std::string> models = whole.models();

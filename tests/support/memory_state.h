@@ -46,4 +46,14 @@ class MemoryState final : public StateVisitor {
   std::string path_;
 };
 
+/// Goes on in `to` where `from` is, as a restart does.
+template <class World>
+void continue_from(World& from, World& to) {
+  MemoryState store;
+  from.visit(store);
+  store.saving = false;
+  to.visit(store);
+  to.restored();
+}
+
 }  // namespace wick::test
